@@ -1,0 +1,31 @@
+//! Pneumatic soft actuators designed by evolution.
+//!
+//! The rooms, in the one direction that data moves (a room names only rooms to its left):
+//! `genome -> field -> surface -> mesh -> model -> solve -> fitness -> batch -> evolve -> report`.
+//! `ARCHITECTURE.md` says what each room answers and what it must never know.
+
+pub mod math;
+
+pub mod genome;
+
+pub mod field;
+
+pub mod surface;
+
+pub mod mesh;
+
+pub mod model;
+
+pub mod solve;
+
+pub mod fitness;
+
+pub mod batch;
+
+pub mod evolve;
+
+pub mod io;
+
+pub mod report;
+
+pub mod cli;

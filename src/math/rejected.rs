@@ -1,0 +1,52 @@
+//! A design that cannot be built or evaluated: a value, not an error.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// The room in which a design was found impossible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Room {
+    /// The inherited network.
+    Genome,
+    /// The implicit function.
+    Field,
+    /// The triangle surface.
+    Surface,
+    /// The computational mesh.
+    Mesh,
+    /// The energy.
+    Model,
+    /// The equilibrium path.
+    Solve,
+    /// The objectives.
+    Fitness,
+}
+
+/// Why a design failed, and where. Evolution treats it as data (a constraint violation).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rejected {
+    /// The room that refused the design.
+    pub room: Room,
+    /// A short stable identifier for tables, such as `no_chamber`.
+    pub reason: String,
+    /// One sentence for a person: what was found, and what would have been right.
+    pub detail: String,
+    /// How far the design is from acceptable, >= 0 and comparable within one reason.
+    pub violation: f64,
+}
+
+impl Rejected {
+    /// A rejection by `room`.
+    #[must_use]
+    pub fn new(room: Room, reason: &str, detail: String, violation: f64) -> Self {
+        Self { room, reason: reason.to_owned(), detail, violation }
+    }
+}
+
+impl fmt::Display for Rejected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}: {} ({})", self.room, self.reason, self.detail)
+    }
+}

@@ -1,0 +1,78 @@
+//! The nonlinear system that a solver sees: an energy over unknowns, its gradient and its Hessian.
+//!
+//! ```text
+//! residual R(x) = dE/dx        tangent K(x) = dR/dx (symmetric, lower triangle stored)
+//! ```
+
+/// A state at which the energy is not defined: an element turned inside out, a wall behind the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("inadmissible state: {0}")]
+pub struct Inadmissible(pub &'static str);
+
+/// The lower triangle of a symmetric sparse matrix by columns; row indices sorted, diagonal present.
+///
+/// Entries above the diagonal may be present (inside diagonal blocks); readers ignore them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SparsityPattern {
+    /// Start of each column in `row_indices`, [n + 1].
+    pub column_starts: Vec<u32>,
+    /// Row of each stored entry, [nnz].
+    pub row_indices: Vec<u32>,
+}
+
+impl SparsityPattern {
+    /// The order of the matrix.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.column_starts.len() - 1
+    }
+
+    /// The number of stored entries.
+    #[must_use]
+    pub fn stored(&self) -> usize {
+        self.row_indices.len()
+    }
+}
+
+/// A potential energy over `n` unknowns, with derivatives.
+pub trait System {
+    /// The stored entries of the tangent; fixed for the life of the system.
+    fn pattern(&self) -> &SparsityPattern;
+
+    /// The energy at `x [n]`, mJ.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the energy is not defined.
+    fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible>;
+
+    /// Writes the gradient at `x [n]` into `residual [n]`, N; returns the energy, mJ.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the energy is not defined.
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<f64, Inadmissible>;
+
+    /// Writes gradient and Hessian at `x [n]` into `residual [n]` and `tangent [stored]`; returns the energy.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the energy is not defined.
+    fn tangent(
+        &mut self,
+        x: &[f64],
+        residual: &mut [f64],
+        tangent: &mut [f64],
+    ) -> Result<f64, Inadmissible>;
+
+    /// The largest multiple of `dx [n]`, at most 1, that may be added to `x` without crossing a contact.
+    fn longest_step(&self, x: &[f64], dx: &[f64]) -> f64 {
+        let _ = (x, dx);
+        1.0
+    }
+
+    /// The force against which a residual is small, N.
+    fn force_scale(&self) -> f64;
+
+    /// The number of negative pivots of the tangent at a stable equilibrium (0 unless there are multipliers).
+    fn stable_negative_pivots(&self) -> usize {
+        0
+    }
+}

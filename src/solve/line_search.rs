@@ -1,0 +1,55 @@
+//! Backtracking on the energy, shared by every solver.
+//!
+//! ```text
+//! accept a when  E(x + a dx) <= E(x) + c1 a R.dx + slack      a = a_max, a_max/2, a_max/4, ...
+//! ```
+//!
+//! `a_max` is the system's own limit (no point crosses a contact). Source: Armijo (1966).
+
+use crate::model::system::System;
+
+/// Armijo's fraction of the predicted decrease.
+const SUFFICIENT_DECREASE: f64 = 1e-4;
+/// Halvings before the search gives up: the last step tried is 1e-6 of the first.
+const HALVINGS: usize = 20;
+/// Rounding error allowed in an energy, relative to its size: sums of some thousand terms carry about 1e-13.
+const ROUNDING: f64 = 1e-12;
+
+/// A step that the search accepted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Step {
+    /// The multiple of `dx` taken.
+    pub length: f64,
+    /// The energy there, mJ.
+    pub energy: f64,
+}
+
+/// Finds a step along `dx [n]` from `x [n]` that lowers the energy; `trial [n]` receives `x + length dx`.
+///
+/// `slope` is `R . dx`, negative for a direction of descent. `None` when no admissible step lowers the energy.
+pub(super) fn search(
+    system: &mut dyn System,
+    x: &[f64],
+    dx: &[f64],
+    energy: f64,
+    slope: f64,
+    trial: &mut [f64],
+) -> Option<Step> {
+    if slope > 0.0 {
+        return None;
+    }
+    let slack = ROUNDING * energy.abs();
+    let mut length = system.longest_step(x, dx);
+    for _ in 0..=HALVINGS {
+        for ((trial, x), dx) in trial.iter_mut().zip(x).zip(dx) {
+            *trial = x + length * dx;
+        }
+        if let Ok(trial_energy) = system.energy(trial)
+            && trial_energy <= energy + SUFFICIENT_DECREASE * length * slope + slack
+        {
+            return Some(Step { length, energy: trial_energy });
+        }
+        length *= 0.5;
+    }
+    None
+}

@@ -1,0 +1,106 @@
+//! Which state makes the residual vanish? Newton's method, linear solvers, and the loading path.
+//!
+//! Two solvers stand behind [`EquilibriumSolver`]: ours with `faer`, and PETSc's SNES with MUMPS.
+//! Both run the same line search on the energy, so that they walk through the same iterates.
+
+mod line_search;
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::system::System;
+
+/// When Newton's method stops.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NewtonSettings {
+    /// Converged when the residual's norm is below this times the system's force scale.
+    pub tolerance: f64,
+    /// Given up after this many iterations.
+    pub max_iterations: usize,
+}
+
+impl Default for NewtonSettings {
+    fn default() -> Self {
+        Self { tolerance: 1e-9, max_iterations: 25 }
+    }
+}
+
+/// How a Newton solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NewtonEnding {
+    /// The residual is below the tolerance.
+    Converged,
+    /// The iteration limit was reached.
+    IterationLimit,
+    /// No step along the Newton direction lowers the energy.
+    LineSearchFailed,
+    /// The start, or every step from an iterate, is inadmissible.
+    Inadmissible,
+    /// The tangent could not be made positive definite by a shift.
+    Singular,
+}
+
+/// What a Newton solve did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NewtonReport {
+    /// Why it stopped.
+    pub ending: NewtonEnding,
+    /// Iterations, each one tangent and one factorisation (more when shifted).
+    pub iterations: usize,
+    /// Norm of the residual at the last iterate, N.
+    pub residual_norm: f64,
+    /// Iterations whose tangent had too many negative pivots and was shifted by a multiple of the identity.
+    pub shifted: usize,
+}
+
+/// The solver library itself failed (not the design).
+#[derive(Debug, thiserror::Error)]
+#[error("{library} failed: {message}")]
+pub struct SolverFailure {
+    /// Which library.
+    pub library: &'static str,
+    /// What it said.
+    pub message: String,
+}
+
+/// CPU seconds spent by a solver since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolveTimes {
+    /// Evaluating energy, residual and tangent.
+    pub assembly: f64,
+    /// Factorising and solving linear systems.
+    pub factorization: f64,
+}
+
+/// Finds equilibria of one [`System`] (one sparsity pattern).
+pub trait EquilibriumSolver {
+    /// Solves `R(x) = 0` from the guess in `x [n]`, which receives the last iterate.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when the library fails. Divergence is reported in [`NewtonReport`].
+    fn solve(
+        &mut self,
+        system: &mut dyn System,
+        x: &mut [f64],
+        settings: &NewtonSettings,
+    ) -> Result<NewtonReport, SolverFailure>;
+
+    /// Factorises the unshifted tangent at `x [n]` and returns its number of negative pivots.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when the library fails.
+    ///
+    /// # Panics
+    /// May panic when `x` is not admissible: call it at an equilibrium found by [`Self::solve`].
+    fn linearize(&mut self, system: &mut dyn System, x: &[f64]) -> Result<usize, SolverFailure>;
+
+    /// Solves `K y = b` with the last [`Self::linearize`]d tangent; `b [n]` is overwritten by `y`.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when the library fails.
+    fn solve_linearized(&mut self, b: &mut [f64]) -> Result<(), SolverFailure>;
+
+    /// CPU seconds so far.
+    fn times(&self) -> SolveTimes;
+}

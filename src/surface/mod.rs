@@ -1,0 +1,5 @@
+//! Which triangles bound it? Closed triangle surfaces.
+
+mod triangle_mesh;
+
+pub use triangle_mesh::TriangleMesh;
