@@ -1,3 +1,16 @@
 //! What is the energy, what must vanish, and its derivative?
+//!
+//! A model is a sum of terms over small stencils ([`local::Term`]); [`assembly`] turns terms into the global
+//! gradient and Hessian that a solver sees through [`system::System`].
 
+pub mod assembly;
+pub mod contact;
+pub mod dirichlet;
+pub mod element;
+pub mod load;
+pub mod local;
+pub mod material;
+mod shell_model;
 pub mod system;
+
+pub use shell_model::{ShellModel, Support};

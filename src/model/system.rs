@@ -76,3 +76,15 @@ pub trait System {
         0
     }
 }
+
+/// A system whose energy depends on one load linearly: `E(x; load) = W(x) - load * conjugate(x)`.
+pub trait LoadedSystem: System {
+    /// Sets the load (for a chamber: the pressure, MPa).
+    fn set_load(&mut self, load: f64);
+
+    /// The quantity on which the load works (for a chamber: the volume, mm^3).
+    fn conjugate(&self, x: &[f64]) -> f64;
+
+    /// Writes the gradient of the conjugate into `direction [n]`, zero where unknowns are held: `K dx/dload = direction`.
+    fn load_direction(&self, x: &[f64], direction: &mut [f64]);
+}

@@ -3,11 +3,18 @@
 //! Two solvers stand behind [`EquilibriumSolver`]: ours with `faer`, and PETSc's SNES with MUMPS.
 //! Both run the same line search on the energy, so that they walk through the same iterates.
 
+mod factor;
 mod line_search;
+mod native;
+mod path;
+mod shift;
 
 use serde::{Deserialize, Serialize};
 
 use crate::model::system::System;
+
+pub use native::NativeSolver;
+pub use path::{Ending, Path, PathPoint, PathSettings, follow};
 
 /// When Newton's method stops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,86 @@
+//! The mesh of a shell: a closed mid-surface, its thickness, and the vertices that are held or watched.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Rings, Stencil};
+use crate::math::{Rejected, Room};
+use crate::surface::TriangleMesh;
+
+/// How a mid-surface becomes a shell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ShellSettings {
+    /// Wall thickness, mm; the surface is the middle of the wall.
+    pub thickness: f64,
+    /// Height of the clamp above the lowest vertex, in thicknesses.
+    pub clamp_height: f64,
+    /// Length of the tip set below the highest vertex, as a fraction of the length along z.
+    pub tip_fraction: f64,
+}
+
+impl Default for ShellSettings {
+    /// A wall of 1.6 mm clamped over 1.5 thicknesses, as in the public Abaqus decks of the 2022 work.
+    fn default() -> Self {
+        Self { thickness: 1.6, clamp_height: 1.5, tip_fraction: 0.05 }
+    }
+}
+
+/// A closed mid-surface prepared for computation.
+#[derive(Clone, Debug)]
+pub struct ShellMesh {
+    /// The mid-surface; its vertices lie on the limit surface of the element.
+    pub surface: TriangleMesh,
+    /// Ordered neighbours of every vertex.
+    pub rings: Rings,
+    /// The control points of every triangle.
+    pub stencils: Vec<Stencil>,
+    /// Wall thickness, mm.
+    pub thickness: f64,
+    /// Vertices that are held.
+    pub clamp: Vec<u32>,
+    /// Vertices whose mean motion is the motion of the tip.
+    pub tip: Vec<u32>,
+    /// Lowest vertex along z, mm.
+    pub base: f64,
+    /// Length along z at rest, mm.
+    pub length: f64,
+}
+
+impl ShellMesh {
+    /// The shell of a closed manifold `surface`.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a valence is below 4, or the clamp holds fewer than three vertices.
+    pub fn new(surface: TriangleMesh, settings: &ShellSettings) -> Result<Self, Rejected> {
+        let rings = Rings::new(&surface.triangles, surface.positions.len());
+        let lowest_valence = (0..rings.len()).map(|v| rings.ring(v as u32).len()).min();
+        if lowest_valence.is_none_or(|valence| valence < 4) {
+            return Err(Rejected::new(
+                Room::Mesh,
+                "low_valence",
+                "a vertex has fewer than 4 neighbours; remesh the surface".to_owned(),
+                1.0,
+            ));
+        }
+        let heights = || surface.positions.iter().map(|p| p.z);
+        let base = heights().fold(f64::INFINITY, f64::min);
+        let top = heights().fold(f64::NEG_INFINITY, f64::max);
+        let length = top - base;
+        let clamp_top = base + settings.clamp_height * settings.thickness;
+        let vertices_where = |keep: &dyn Fn(f64) -> bool| -> Vec<u32> {
+            (0u32..).zip(heights()).filter_map(|(v, z)| keep(z).then_some(v)).collect()
+        };
+        let clamp = vertices_where(&|z| z < clamp_top);
+        if clamp.len() < 3 {
+            return Err(Rejected::new(
+                Room::Mesh,
+                "clamp_holds_nothing",
+                format!("the clamp below z = {clamp_top:.3} mm holds {} vertices, fewer than 3", clamp.len()),
+                1.0,
+            ));
+        }
+        let tip = vertices_where(&|z| z > top - settings.tip_fraction * length);
+        let stencils = surface.triangles.iter().map(|&t| Stencil::new(t, &rings)).collect();
+        Ok(Self { surface, rings, stencils, thickness: settings.thickness, clamp, tip, base, length })
+    }
+}

@@ -1,0 +1,320 @@
+//! Loop's subdivision surface around one triangle, for any valence, without eigen-analysis.
+//!
+//! After one subdivision the middle child of a triangle has three corners of valence six: a regular
+//! box-spline patch whose barycentre is the parent's barycentre. So every quadrature point is a barycentre,
+//! reached by subdividing until its patch is regular, and the weights of the coarse control points follow
+//! from matrix products alone. They depend on the three valences only.
+//!
+//! ```text
+//! edge point    3/8 (v + q) + 1/8 (left + right)
+//! vertex point  (1 - n beta) v + beta sum ring,   beta = (5/8 - (3/8 + cos(2 pi / n) / 4)^2) / n
+//! limit point   (1 - n chi) v + chi sum ring,     chi = 1 / (3 / (8 beta) + n)
+//! ```
+//!
+//! Source: Loop (1987); Cirak, Ortiz & Schröder (2000), section 4.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use super::box_spline;
+use crate::mesh::{Rings, Stencil};
+
+/// Subdivisions behind the reference area of an element: 16 barycentres.
+/// Five (1,024 points) move the area of a remeshed sphere by less than 0.1 %.
+const AREA_LEVELS: usize = 2;
+
+/// The weights of one element's control points, shared by all triangles with the same three valences.
+#[derive(Clone, Debug)]
+pub struct LoopBasis {
+    /// `[,1 ,2 ,11 ,22 ,12]` of each control point at the barycentre.
+    pub barycentre: Vec<[f64; 5]>,
+    /// `[,1 ,2]` of each control point at the barycentres of the 16 grandchildren, with the share of
+    /// `|x,1 cross x,2|` that each contributes to the area.
+    area_points: Vec<(f64, Vec<[f64; 2]>)>,
+    /// Limit positions of the corners (0, 1, 2) and of the edge midpoints opposite to them (3, 4, 5).
+    pub limit: Vec<[f64; 6]>,
+}
+
+impl LoopBasis {
+    /// The weights for a triangle whose corners have these valences (each at least 4).
+    ///
+    /// Control points are ordered as in [`Stencil`].
+    #[must_use]
+    pub fn new(valences: [usize; 3]) -> Self {
+        let patch = Patch::coarse(valences);
+        let mut area_points = Vec::new();
+        patch.visit(AREA_LEVELS, &mut |leaf| {
+            let (share, rows) = leaf.barycentre();
+            area_points.push((share, transpose(&[&rows[0], &rows[1]])));
+        });
+        let [r1, r2, r11, r22, r12] = patch.barycentre().1;
+        let limit: Vec<Row> =
+            (0..3).map(|i| patch.limit_corner(i)).chain(patch.limit_edges()).collect();
+        Self {
+            barycentre: transpose(&[&r1, &r2, &r11, &r22, &r12]),
+            area_points,
+            limit: transpose(&std::array::from_fn::<_, 6, _>(|i| &limit[i])),
+        }
+    }
+
+    /// The bases of all triangles, computed once for each combination of valences.
+    #[must_use]
+    pub fn of_stencils(stencils: &[Stencil]) -> Vec<std::rc::Rc<Self>> {
+        let mut known = BTreeMap::new();
+        let basis = |stencil: &Stencil| {
+            known
+                .entry(stencil.valences)
+                .or_insert_with(|| std::rc::Rc::new(Self::new(stencil.valences)))
+                .clone()
+        };
+        stencils.iter().map(basis).collect()
+    }
+
+    /// The area of the element, mm^2, for control points at `x [n]`.
+    #[must_use]
+    pub fn area(&self, x: &[crate::math::Vec3]) -> f64 {
+        let point_area = |(share, rows): &(f64, Vec<[f64; 2]>)| {
+            let mut tangents = [crate::math::Vec3::zeros(); 2];
+            for (x, row) in x.iter().zip(rows) {
+                tangents[0] += x * row[0];
+                tangents[1] += x * row[1];
+            }
+            share * tangents[0].cross(&tangents[1]).norm()
+        };
+        self.area_points.iter().map(point_area).sum()
+    }
+}
+
+/// One point of the limit surface: its weights on the control points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Control points.
+    pub nodes: Vec<u32>,
+    /// Their weights, summing to one.
+    pub weights: Vec<f64>,
+}
+
+impl Sample {
+    /// The point on the limit surface, mm.
+    #[must_use]
+    pub fn point(&self, positions: &[crate::math::Vec3]) -> crate::math::Vec3 {
+        self.nodes.iter().zip(&self.weights).map(|(&v, w)| *w * positions[v as usize]).sum()
+    }
+
+    /// Nodes in ascending order, and their weights.
+    #[must_use]
+    pub fn ascending(self) -> (Vec<u32>, Vec<f64>) {
+        let mut pairs: Vec<(u32, f64)> = self.nodes.into_iter().zip(self.weights).collect();
+        pairs.sort_unstable_by_key(|&(node, _)| node);
+        pairs.into_iter().unzip()
+    }
+}
+
+/// The limit points of all vertices, then of all edge midpoints, and the facets between them.
+///
+/// Four facets for each triangle; together they bound the surface that carries pressure and contact.
+#[must_use]
+pub fn samples(
+    stencils: &[Stencil],
+    bases: &[std::rc::Rc<LoopBasis>],
+    rings: &Rings,
+) -> (Vec<Sample>, Vec<[u32; 3]>) {
+    let vertices = rings.len();
+    let mut samples: Vec<Option<Sample>> = vec![None; vertices];
+    let mut edges = BTreeMap::new();
+    let mut facets = Vec::with_capacity(4 * stencils.len());
+    for (stencil, basis) in stencils.iter().zip(bases) {
+        let corners = stencil.corners();
+        let local: [u32; 6] = std::array::from_fn(|point| {
+            let index = if point < 3 {
+                corners[point] as usize
+            } else {
+                let [a, b] = [corners[(point + 1) % 3], corners[(point + 2) % 3]];
+                *edges.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    samples.push(None);
+                    samples.len() - 1
+                })
+            };
+            samples[index].get_or_insert_with(|| {
+                let nonzero = |(node, weights): (&u32, &[f64; 6])| {
+                    (weights[point] != 0.0).then_some((*node, weights[point]))
+                };
+                let (nodes, weights) =
+                    stencil.nodes.iter().zip(&basis.limit).filter_map(nonzero).unzip();
+                Sample { nodes, weights }
+            });
+            index as u32
+        });
+        facets.extend(SUBTRIANGLES.map(|facet| facet.map(|point| local[point])));
+    }
+    let samples = samples.into_iter().map(|s| s.expect("every vertex of a closed mesh has a triangle"));
+    (samples.collect(), facets)
+}
+
+/// The four facets of an element over its corners (0, 1, 2) and edge midpoints (3, 4, 5).
+pub(in crate::model) const SUBTRIANGLES: [[usize; 3]; 4] =
+    [[0, 5, 4], [1, 3, 5], [2, 4, 3], [3, 4, 5]];
+
+/// Weights on the coarse control points.
+type Row = Vec<f64>;
+
+/// A triangle of some level with its three ordered one-rings, as weights on the coarse control points.
+///
+/// `rings[i]` runs counter-clockwise around corner `i`, beginning with corners `i + 1` and `i + 2`.
+struct Patch {
+    corners: [Row; 3],
+    rings: [Vec<Row>; 3],
+}
+
+impl Patch {
+    fn coarse(valences: [usize; 3]) -> Self {
+        let stencil = Stencil::local_rings(valences);
+        let size = valences.iter().sum::<usize>() - 6;
+        let unit = |index: usize| {
+            let mut row = vec![0.0; size];
+            row[index] = 1.0;
+            row
+        };
+        Self {
+            corners: [0, 1, 2].map(unit),
+            rings: stencil.map(|ring| ring.into_iter().map(unit).collect()),
+        }
+    }
+
+    fn valence(&self, i: usize) -> usize {
+        self.rings[i].len()
+    }
+
+    /// The share of `|x,1 cross x,2|` that is the patch's area, and the derivative rows at its barycentre.
+    fn barycentre(&self) -> (f64, [Row; 5]) {
+        if (0..3).any(|i| self.valence(i) != 6) {
+            let (share, rows) = self.middle_child().barycentre();
+            return (4.0 * share, rows);
+        }
+        let [r0, r1, r2] = &self.rings;
+        let control: [&Row; 12] = [
+            &r0[4], &r0[3], &r0[5], &self.corners[0], &r0[2], &r1[3], &self.corners[1],
+            &self.corners[2], &r2[4], &r1[4], &r1[5], &r2[3],
+        ];
+        let basis = box_spline::derivatives(1.0 / 3.0, 1.0 / 3.0);
+        let row = |k: usize| {
+            combination(control.iter().zip(&basis).map(|(row, weights)| (weights[k], *row)))
+        };
+        (0.5, std::array::from_fn(row))
+    }
+
+    /// Calls `visit` with the patches of all descendants `levels` down.
+    fn visit(&self, levels: usize, visit: &mut impl FnMut(&Self)) {
+        if levels == 0 {
+            return visit(self);
+        }
+        self.middle_child().visit(levels - 1, visit);
+        for i in 0..3 {
+            self.corner_child(i).visit(levels - 1, visit);
+        }
+    }
+
+    fn middle_child(&self) -> Self {
+        Self {
+            corners: [0, 1, 2].map(|i| self.edge_midpoint(i)),
+            rings: [0, 1, 2].map(|i| self.edge_ring(i)),
+        }
+    }
+
+    /// The child at corner `i`, whose own corner 0 is that corner.
+    fn corner_child(&self, i: usize) -> Self {
+        let [j, k] = [(i + 1) % 3, (i + 2) % 3];
+        // Edge k runs from corner i to corner j, edge j from corner k to corner i.
+        let mut around_k = self.edge_ring(k);
+        let mut around_j = self.edge_ring(j);
+        let start_of = |ring: &[Row], row: &Row| {
+            ring.iter().position(|r| r == row).expect("the ring holds its neighbours")
+        };
+        let corner = self.vertex_point(i);
+        let first = start_of(&around_k, &self.edge_midpoint(j));
+        around_k.rotate_left(first);
+        let first = start_of(&around_j, &corner);
+        around_j.rotate_left(first);
+        let spokes = (0..self.valence(i)).map(|spoke| self.edge_point(i, spoke)).collect();
+        Self {
+            corners: [corner, self.edge_midpoint(k), self.edge_midpoint(j)],
+            rings: [spokes, around_k, around_j],
+        }
+    }
+
+    /// The ring of the midpoint of the edge opposite to corner `i`, beginning with the other two midpoints.
+    fn edge_ring(&self, i: usize) -> Vec<Row> {
+        let [j, k] = [(i + 1) % 3, (i + 2) % 3];
+        vec![
+            self.edge_midpoint(j),
+            self.edge_midpoint(k),
+            self.vertex_point(j),
+            self.edge_point(j, self.valence(j) - 1),
+            self.edge_point(k, 2),
+            self.vertex_point(k),
+        ]
+    }
+
+    /// The new vertex on the edge opposite to corner `i`.
+    fn edge_midpoint(&self, i: usize) -> Row {
+        self.edge_point((i + 1) % 3, 0)
+    }
+
+    /// The new vertex on the edge from corner `i` to the `spoke`-th point of its ring.
+    fn edge_point(&self, i: usize, spoke: usize) -> Row {
+        let ring = &self.rings[i];
+        let n = ring.len();
+        combination([
+            (0.375, &self.corners[i]),
+            (0.375, &ring[spoke]),
+            (0.125, &ring[(spoke + n - 1) % n]),
+            (0.125, &ring[(spoke + 1) % n]),
+        ])
+    }
+
+    fn vertex_point(&self, i: usize) -> Row {
+        self.ring_average(i, beta(self.valence(i)))
+    }
+
+    fn limit_corner(&self, i: usize) -> Row {
+        self.ring_average(i, limit_weight(self.valence(i)))
+    }
+
+    fn limit_edges(&self) -> [Row; 3] {
+        let child = self.middle_child();
+        [0, 1, 2].map(|i| child.limit_corner(i))
+    }
+
+    fn ring_average(&self, i: usize, weight: f64) -> Row {
+        let n = self.valence(i) as f64;
+        let ring = self.rings[i].iter().map(|row| (weight, row));
+        combination(std::iter::once((1.0 - n * weight, &self.corners[i])).chain(ring))
+    }
+}
+
+/// Loop's weight of each neighbour in a vertex point of valence `n`.
+fn beta(n: usize) -> f64 {
+    let n = n as f64;
+    (0.625 - (0.375 + 0.25 * (TAU / n).cos()).powi(2)) / n
+}
+
+/// The weight of each neighbour in the limit position of a vertex of valence `n`.
+#[must_use]
+pub(in crate::model) fn limit_weight(n: usize) -> f64 {
+    1.0 / (0.375 / beta(n) + n as f64)
+}
+
+fn combination<'a>(terms: impl IntoIterator<Item = (f64, &'a Row)>) -> Row {
+    let mut sum = Row::new();
+    for (weight, row) in terms {
+        sum.resize(row.len(), 0.0);
+        for (sum, value) in sum.iter_mut().zip(row) {
+            *sum += weight * value;
+        }
+    }
+    sum
+}
+
+fn transpose<const N: usize>(rows: &[&Row; N]) -> Vec<[f64; N]> {
+    (0..rows[0].len()).map(|i| std::array::from_fn(|k| rows[k][i])).collect()
+}

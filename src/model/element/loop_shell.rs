@@ -1,0 +1,452 @@
+//! The Kirchhoff-Love shell on Loop's subdivision surface, at large strain and in plane stress.
+//!
+//! At a quadrature point the control points `x_I` enter through five linear combinations,
+//! `d = (a1, a2, x11, x22, x12)`, hence through two fundamental forms `a_ab` and `b_ab = x_ab . n`.
+//! A layer at height `z` of the wall has the metric
+//!
+//! ```text
+//! G(z) = A - 2 z B + z^2 B A^-1 B                 at rest
+//! g(z) = a - 2 z l3 b + (z l3)^2 b a^-1 b         deformed; l3 = sqrt(det A / det a), the thickness stretch
+//! W    = sum_points dA sum_layers w_z sqrt(det G / det A) psi(G(z), g(z))
+//! ```
+//!
+//! The factor `l3` makes a stretched wall thinner in bending too. One barycentre for each triangle, three
+//! Gauss points through the wall; the area `dA` is the limit surface's own, so that meshes of any valence
+//! have their true area. Not for true creases: round them to a radius of the thickness or more.
+//!
+//! Source: Cirak & Ortiz (2001), finite-deformation thin shells by subdivision.
+
+use std::rc::Rc;
+
+use nalgebra::Matrix3;
+
+use super::jet::{Jet, VARIABLES};
+use super::loop_patch::LoopBasis;
+use crate::math::{Rejected, Room, Vec3};
+use crate::mesh::{ShellMesh, Stencil};
+use crate::model::local::{LocalDerivatives, Term};
+use crate::model::material::Material;
+use crate::model::system::Inadmissible;
+
+/// Abscissae and weights of the three-point Gauss rule on [-1, 1]; 0.6f64.sqrt() to the last digit.
+const GAUSS: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+
+/// A fold at rest may use at most this much of its inner layer: `1 - z kappa` stays above 0.05.
+const LEAST_SHIFTER: f64 = 0.05;
+
+/// The stored energy of the wall.
+#[derive(Clone, Debug)]
+pub struct LoopShell {
+    stencils: Vec<Vec<u32>>,
+    points: Vec<Point>,
+    /// `[,1 ,2 ,11 ,22 ,12]` of each node of each stencil at its barycentre.
+    basis: Vec<Vec<[f64; 5]>>,
+    material: Material,
+}
+
+/// A quadrature point's reference state.
+#[derive(Clone, Debug)]
+struct Point {
+    sqrt_det_a: f64,
+    layers: [Layer; 3],
+}
+
+/// A layer of the wall at rest.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    z: f64,
+    /// Reference volume, mm^3.
+    volume: f64,
+    /// `(G^11, G^22, 2 G^12)`, so that `T` is a dot product with `(g11, g22, g12)`.
+    inverse_metric: [f64; 3],
+    inverse_det: f64,
+}
+
+/// Symmetric 2x2 tensors as `(11, 22, 12)`.
+type Form = [f64; 3];
+
+impl LoopShell {
+    /// The wall of `mesh` with control points at `x` at rest.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a fold at rest is tighter than half the wall.
+    pub fn new(
+        mesh: &ShellMesh,
+        bases: &[Rc<LoopBasis>],
+        x: &[Vec3],
+        material: Material,
+    ) -> Result<Self, Rejected> {
+        let mut shell = Self {
+            stencils: Vec::with_capacity(bases.len()),
+            points: Vec::with_capacity(bases.len()),
+            basis: Vec::with_capacity(bases.len()),
+            material,
+        };
+        let mut too_tight = 0;
+        for (stencil, basis) in mesh.stencils.iter().zip(bases) {
+            let order = ascending(stencil);
+            let positions: Vec<Vec3> = stencil.nodes.iter().map(|&v| x[v as usize]).collect();
+            let derivatives = Derivatives::new(&basis.barycentre, &positions);
+            let area = basis.area(&positions);
+            match Point::new(&derivatives, mesh.thickness, area) {
+                Some(point) => shell.points.push(point),
+                None => too_tight += 1,
+            }
+            shell.stencils.push(order.iter().map(|&i| stencil.nodes[i]).collect());
+            shell.basis.push(order.iter().map(|&i| basis.barycentre[i]).collect());
+        }
+        if too_tight == 0 {
+            return Ok(shell);
+        }
+        Err(Rejected::new(
+            Room::Model,
+            "fold_tighter_than_wall",
+            format!("{too_tight} of {} elements fold tighter than half the wall", bases.len()),
+            f64::from(too_tight) / bases.len() as f64,
+        ))
+    }
+
+    /// The wall's volume at rest, mm^3.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.points.iter().flat_map(|p| &p.layers).map(|layer| layer.volume).sum()
+    }
+}
+
+/// Positions in a stencil that put its nodes in ascending order.
+pub(in crate::model) fn ascending(stencil: &Stencil) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..stencil.nodes.len()).collect();
+    order.sort_unstable_by_key(|&i| stencil.nodes[i]);
+    order
+}
+
+impl Term for LoopShell {
+    fn stencils(&self) -> &[Vec<u32>] {
+        &self.stencils
+    }
+
+    fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
+        let point = &self.points[s];
+        let (a, b) = Derivatives::new(&self.basis[s], x).forms()?;
+        let det_a = det(a);
+        let l3 = point.sqrt_det_a / det_a.sqrt();
+        let third = third_form(a, b, det_a);
+        let mut energy = 0.0;
+        for layer in &point.layers {
+            let z = layer.z * l3;
+            check_shifter(z, a, b, det_a)?;
+            let g = std::array::from_fn(|k| a[k] - 2.0 * z * b[k] + z * z * third[k]);
+            let (t, j) = layer.invariants(g);
+            energy += layer.volume * self.material.energy(t, j);
+        }
+        Ok(energy)
+    }
+
+    fn derivatives(
+        &self,
+        s: usize,
+        x: &[Vec3],
+        local: &mut LocalDerivatives,
+    ) -> Result<f64, Inadmissible> {
+        let basis = &self.basis[s];
+        let derivatives = Derivatives::new(basis, x);
+        let (a, b) = derivatives.forms()?;
+        let of_forms = self.points[s].energy_of_forms(a, b, &self.material)?;
+        let h = derivatives.gradient(&of_forms.gradient);
+        for (gradient, row) in local.gradient_mut().iter_mut().zip(basis) {
+            for (h, weight) in h.iter().zip(row) {
+                *gradient += *weight * h;
+            }
+        }
+        if local.with_hessian() {
+            let hessian = derivatives.hessian(&of_forms);
+            scatter(&hessian, basis, local);
+        }
+        Ok(of_forms.value)
+    }
+}
+
+/// `K_IJ += sum_st B_sI B_tJ H_st` for the lower blocks.
+fn scatter(hessian: &[[Matrix3<f64>; 5]; 5], basis: &[[f64; 5]], local: &mut LocalDerivatives) {
+    for (j, column) in basis.iter().enumerate() {
+        let half: [Matrix3<f64>; 5] = std::array::from_fn(|s| {
+            let h = &hessian[s];
+            h[0] * column[0] + h[1] * column[1] + h[2] * column[2] + h[3] * column[3] + h[4] * column[4]
+        });
+        for (i, row) in basis.iter().enumerate().skip(j) {
+            *local.block_mut(i, j) += half[0] * row[0]
+                + half[1] * row[1]
+                + half[2] * row[2]
+                + half[3] * row[3]
+                + half[4] * row[4];
+        }
+    }
+}
+
+/// The five derivative vectors of the surface at a point, and its normal.
+struct Derivatives {
+    d: [Vec3; 5],
+    normal: Vec3,
+    /// `|a1 x a2|`.
+    jacobian: f64,
+}
+
+impl Derivatives {
+    fn new(basis: &[[f64; 5]], x: &[Vec3]) -> Self {
+        let mut d = [Vec3::zeros(); 5];
+        for (row, x) in basis.iter().zip(x) {
+            for (d, weight) in d.iter_mut().zip(row) {
+                *d += *weight * x;
+            }
+        }
+        let normal = d[0].cross(&d[1]);
+        let jacobian = normal.norm();
+        Self { d, normal: normal / jacobian, jacobian }
+    }
+
+    /// First and second fundamental form.
+    fn forms(&self) -> Result<(Form, Form), Inadmissible> {
+        let [a1, a2, x11, x22, x12] = &self.d;
+        if !(self.jacobian > 0.0 && self.jacobian.is_finite()) {
+            return Err(Inadmissible("an element has collapsed"));
+        }
+        let n = &self.normal;
+        Ok(([a1.dot(a1), a2.dot(a2), a1.dot(a2)], [x11.dot(n), x22.dot(n), x12.dot(n)]))
+    }
+
+    /// The parts of `db_k` along `da1` and `da2`: `v x a` with `v = P x_k / j`.
+    fn normal_parts(&self, k: usize) -> [Vec3; 2] {
+        let x = &self.d[2 + k];
+        let v = (x - self.normal * self.normal.dot(x)) / self.jacobian;
+        [self.d[1].cross(&v), v.cross(&self.d[0])]
+    }
+
+    /// The energy's gradient with respect to `d`, from that with respect to `(a_ab, b_ab)`.
+    fn gradient(&self, q: &[f64; VARIABLES]) -> [Vec3; 5] {
+        let [a1, a2, ..] = &self.d;
+        let mut out = [
+            2.0 * q[0] * a1 + q[2] * a2,
+            2.0 * q[1] * a2 + q[2] * a1,
+            q[3] * self.normal,
+            q[4] * self.normal,
+            q[5] * self.normal,
+        ];
+        for k in 0..3 {
+            let [along_1, along_2] = self.normal_parts(k);
+            out[0] += q[3 + k] * along_1;
+            out[1] += q[3 + k] * along_2;
+        }
+        out
+    }
+
+    /// The energy's Hessian with respect to `d`.
+    fn hessian(&self, energy: &Jet) -> [[Matrix3<f64>; 5]; 5] {
+        let [a1, a2, ..] = &self.d;
+        let q = &energy.gradient;
+        let n = &self.normal;
+        // Rows of dq/dd: which of the five vectors each form depends on, and how.
+        let zero = Vec3::zeros();
+        let mut rows = [[zero; 5]; VARIABLES];
+        rows[0][0] = 2.0 * a1;
+        rows[1][1] = 2.0 * a2;
+        rows[2][0] = *a2;
+        rows[2][1] = *a1;
+        for k in 0..3 {
+            let [along_1, along_2] = self.normal_parts(k);
+            rows[3 + k][0] = along_1;
+            rows[3 + k][1] = along_2;
+            rows[3 + k][2 + k] = *n;
+        }
+        let full = |i: usize, j: usize| {
+            let (i, j) = if i >= j { (i, j) } else { (j, i) };
+            energy.hessian[i * (i + 1) / 2 + j]
+        };
+        let weighted: [[Vec3; 5]; VARIABLES] = std::array::from_fn(|i| {
+            std::array::from_fn(|s| {
+                (0..VARIABLES).fold(zero, |sum, j| sum + full(i, j) * rows[j][s])
+            })
+        });
+        let mut h = [[Matrix3::zeros(); 5]; 5];
+        for s in 0..5 {
+            for t in 0..=s {
+                for i in 0..VARIABLES {
+                    h[s][t] += rows[i][s] * weighted[i][t].transpose();
+                }
+            }
+        }
+        // The forms' own second derivatives.
+        h[0][0] += Matrix3::from_diagonal_element(2.0 * q[0]);
+        h[1][1] += Matrix3::from_diagonal_element(2.0 * q[1]);
+        h[1][0] += Matrix3::from_diagonal_element(q[2]);
+        let projector = Matrix3::identity() - n * n.transpose();
+        let per_area = projector / self.jacobian;
+        let dn = [-(per_area * a2.cross_matrix()), per_area * a1.cross_matrix()];
+        let mut moment = zero;
+        for k in 0..3 {
+            h[2 + k][0] += q[3 + k] * dn[0];
+            h[2 + k][1] += q[3 + k] * dn[1];
+            moment += q[3 + k] * self.d[2 + k];
+        }
+        let v = per_area * moment;
+        let of_normal = -(v * n.transpose() + n * v.transpose() + projector * (moment.dot(n) / self.jacobian))
+            / self.jacobian;
+        let area = [-a2.cross_matrix(), a1.cross_matrix()];
+        h[0][0] += area[0].transpose() * of_normal * area[0];
+        h[1][1] += area[1].transpose() * of_normal * area[1];
+        h[1][0] += area[1].transpose() * of_normal * area[0] + v.cross_matrix();
+        for s in 0..5 {
+            for t in 0..s {
+                h[t][s] = h[s][t].transpose();
+            }
+        }
+        h
+    }
+}
+
+impl Point {
+    fn new(derivatives: &Derivatives, thickness: f64, area: f64) -> Option<Self> {
+        let (a, b) = derivatives.forms().ok()?;
+        let det_a = det(a);
+        let third = third_form(a, b, det_a);
+        let mut layers = Vec::with_capacity(3);
+        for (abscissa, weight) in GAUSS {
+            let z = 0.5 * thickness * abscissa;
+            if shifter(z, a, b, det_a) < LEAST_SHIFTER {
+                return None;
+            }
+            let g: Form = std::array::from_fn(|k| a[k] - 2.0 * z * b[k] + z * z * third[k]);
+            let inverse_det = 1.0 / det(g);
+            layers.push(Layer {
+                z,
+                volume: 0.5 * thickness * weight * area * (det(g) / det_a).sqrt(),
+                inverse_metric: [g[1] * inverse_det, g[0] * inverse_det, -2.0 * g[2] * inverse_det],
+                inverse_det,
+            });
+        }
+        Some(Self { sqrt_det_a: det_a.sqrt(), layers: layers.try_into().ok()? })
+    }
+
+    /// The point's energy with its derivatives with respect to `(a11, a22, a12, b11, b22, b12)`.
+    fn energy_of_forms(&self, a: Form, b: Form, material: &Material) -> Result<Jet, Inadmissible> {
+        let det_a = det(a);
+        let l3 = self.sqrt_det_a / det_a.sqrt();
+        let (p, q) = self.thickness_scaled_forms(a, b);
+        let mut energy = Jet::variable(0, 0.0);
+        energy.gradient = [0.0; VARIABLES];
+        // How much the second derivatives of P = l3 b and Q = l3^2 b a^-1 b count, summed over the layers.
+        let mut p_weight = [0.0; 3];
+        let mut q_weight = [0.0; 3];
+        for layer in &self.layers {
+            let z = layer.z;
+            check_shifter(z * l3, a, b, det_a)?;
+            let g = std::array::from_fn(|k| a[k] - 2.0 * z * p[k].value + z * z * q[k].value);
+            let (t, j) = layer.invariants(g);
+            let density = material.density(t, j);
+            let [psi_t, psi_j] = density.first;
+            let [psi_tt, psi_tj, psi_jj] = density.second;
+            let dt = layer.inverse_metric;
+            let dj = [g[1], g[0], -2.0 * g[2]].map(|v| v * layer.inverse_det);
+            let first: Form = std::array::from_fn(|k| layer.volume * (psi_t * dt[k] + psi_j * dj[k]));
+            let mut second: [[f64; 3]; 3] = std::array::from_fn(|k| {
+                let on_t = layer.volume * (psi_tt * dt[k] + psi_tj * dj[k]);
+                let on_j = layer.volume * (psi_tj * dt[k] + psi_jj * dj[k]);
+                std::array::from_fn(|l| on_t * dt[l] + on_j * dj[l])
+            });
+            let curvature_of_j = layer.volume * psi_j * layer.inverse_det;
+            second[0][1] += curvature_of_j;
+            second[1][0] += curvature_of_j;
+            second[2][2] -= 2.0 * curvature_of_j;
+
+            let dg: [[f64; VARIABLES]; 3] = std::array::from_fn(|k| {
+                let mut row: [f64; VARIABLES] = std::array::from_fn(|i| {
+                    -2.0 * z * p[k].gradient[i] + z * z * q[k].gradient[i]
+                });
+                row[k] += 1.0;
+                row
+            });
+            energy.value += layer.volume * density.value;
+            for k in 0..3 {
+                for (sum, dg) in energy.gradient.iter_mut().zip(&dg[k]) {
+                    *sum += first[k] * dg;
+                }
+                p_weight[k] -= 2.0 * z * first[k];
+                q_weight[k] += z * z * first[k];
+            }
+            let weighted: [[f64; VARIABLES]; 3] = std::array::from_fn(|k| {
+                std::array::from_fn(|i| (0..3).map(|l| second[k][l] * dg[l][i]).sum())
+            });
+            let mut pair = 0;
+            for i in 0..VARIABLES {
+                for j in 0..=i {
+                    energy.hessian[pair] += dg[0][i] * weighted[0][j]
+                        + dg[1][i] * weighted[1][j]
+                        + dg[2][i] * weighted[2][j];
+                    pair += 1;
+                }
+            }
+        }
+        for k in 0..3 {
+            for (sum, (p, q)) in
+                energy.hessian.iter_mut().zip(p[k].hessian.iter().zip(&q[k].hessian))
+            {
+                *sum += p_weight[k] * p + q_weight[k] * q;
+            }
+        }
+        Ok(energy)
+    }
+
+    /// `P = l3 b` and `Q = l3^2 b a^-1 b` as jets in the six form components.
+    fn thickness_scaled_forms(&self, a: Form, b: Form) -> ([Jet; 3], [Jet; 3]) {
+        let [a11, a22, a12]: [Jet; 3] = std::array::from_fn(|k| Jet::variable(k, a[k]));
+        let [b11, b22, b12]: [Jet; 3] = std::array::from_fn(|k| Jet::variable(3 + k, b[k]));
+        let det_a = &(&a11 * &a22) - &(&a12 * &a12);
+        let l3 = det_a.powf(-0.5).scale(self.sqrt_det_a);
+        let p = [&l3 * &b11, &l3 * &b22, &l3 * &b12];
+        // b adj(a) b / det a, and l3^2 / det a = l3^4 / det A.
+        let m11 = &(&a22 * &b11) - &(&a12 * &b12);
+        let m12 = &(&a22 * &b12) - &(&a12 * &b22);
+        let m21 = &(&a11 * &b12) - &(&a12 * &b11);
+        let m22 = &(&a11 * &b22) - &(&a12 * &b12);
+        let factor = det_a.powf(-2.0).scale(self.sqrt_det_a * self.sqrt_det_a);
+        let third = [
+            &(&b11 * &m11) + &(&b12 * &m21),
+            &(&b12 * &m12) + &(&b22 * &m22),
+            &(&b11 * &m12) + &(&b12 * &m22),
+        ];
+        (p, third.map(|form| &factor * &form))
+    }
+}
+
+impl Layer {
+    /// `T = tr(G^-1 g)` and `J = det g / det G`.
+    fn invariants(&self, g: Form) -> (f64, f64) {
+        let t = (0..3).map(|k| self.inverse_metric[k] * g[k]).sum();
+        (t, det(g) * self.inverse_det)
+    }
+}
+
+fn det([f11, f22, f12]: Form) -> f64 {
+    f11 * f22 - f12 * f12
+}
+
+/// `b a^-1 b = tr(a^-1 b) b - (det b / det a) a` (Cayley and Hamilton).
+fn third_form(a: Form, b: Form, det_a: f64) -> Form {
+    let trace = (a[1] * b[0] + a[0] * b[1] - 2.0 * a[2] * b[2]) / det_a;
+    let gauss = det(b) / det_a;
+    std::array::from_fn(|k| trace * b[k] - gauss * a[k])
+}
+
+/// `(1 - z k1)(1 - z k2)`: the area of a layer at height `z` over that of the mid-surface.
+fn shifter(z: f64, a: Form, b: Form, det_a: f64) -> f64 {
+    let trace = (a[1] * b[0] + a[0] * b[1] - 2.0 * a[2] * b[2]) / det_a;
+    1.0 - z * trace + z * z * det(b) / det_a
+}
+
+fn check_shifter(z: f64, a: Form, b: Form, det_a: f64) -> Result<(), Inadmissible> {
+    if shifter(z, a, b, det_a) > 0.0 {
+        Ok(())
+    } else {
+        Err(Inadmissible("a fold is tighter than half the wall"))
+    }
+}

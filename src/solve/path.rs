@@ -1,0 +1,283 @@
+//! The loading path: equilibria at increasing load.
+//!
+//! Every accepted state is a stable equilibrium. States stand at fixed sample loads, so that what is read off
+//! a path does not depend on how it was walked; between samples the step is halved when Newton's method
+//! fails. A step starts from a prediction: the cubic through the last two states and their tangents
+//!
+//! ```text
+//! K dx/dload = dC/dx          dC/dload = dC/dx . dx/dload          C = conjugate of the load (volume)
+//! work = int load dC = [load C] - int C dload      by Hermite's rule, whose error is of fourth order
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::{EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
+use crate::model::system::LoadedSystem;
+
+/// How a path is walked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PathSettings {
+    /// Number of equal load steps to the largest load.
+    pub steps: usize,
+    /// How often a step may be halved before the path ends.
+    pub halvings: u32,
+    /// Newton iterations that a whole path may use.
+    pub iteration_budget: usize,
+    /// When Newton's method stops.
+    pub newton: NewtonSettings,
+}
+
+impl Default for PathSettings {
+    fn default() -> Self {
+        Self { steps: 10, halvings: 5, iteration_budget: 400, newton: NewtonSettings::default() }
+    }
+}
+
+/// Why a path ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ending {
+    /// The largest load was reached.
+    Reached,
+    /// Beyond this load no stable equilibrium is near: the energy loses its minimum.
+    LimitPoint,
+    /// The equilibrium beyond this load exists but is not stable.
+    Unstable,
+    /// Elements invert or folds close.
+    Inverted,
+    /// Newton's method does not converge, for no reason of the above.
+    Stalled,
+    /// The budget of iterations was spent.
+    BudgetSpent,
+}
+
+/// A stable equilibrium on a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathPoint {
+    /// The load (pressure, MPa).
+    pub load: f64,
+    /// Its conjugate (volume, mm^3).
+    pub conjugate: f64,
+    /// Work done by the load since the start of the path, mJ.
+    pub work: f64,
+    /// Potential energy without the load's own, mJ: what the wall and the barriers store.
+    pub stored_energy: f64,
+    /// The unknowns, [n].
+    pub x: Vec<f64>,
+    /// Their derivative with respect to the load, [n].
+    pub rate: Vec<f64>,
+    /// The conjugate's derivative with respect to the load.
+    pub conjugate_rate: f64,
+    /// Newton iterations spent since the point before.
+    pub newton_iterations: usize,
+    /// Iterations among them whose tangent was indefinite.
+    pub shifted: usize,
+}
+
+/// A walked path, its start included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// Stable equilibria at increasing load.
+    pub points: Vec<PathPoint>,
+    /// Why there are no more.
+    pub ending: Ending,
+}
+
+/// Follows the equilibrium of `system` from the last of `points` (from rest where empty) to `max_load`.
+///
+/// The sample loads are `max_load k / steps` whatever the start.
+///
+/// # Errors
+/// [`SolverFailure`] when a library fails; a path that ends early is a value.
+pub fn follow(
+    system: &mut dyn LoadedSystem,
+    solver: &mut dyn EquilibriumSolver,
+    max_load: f64,
+    points: Vec<PathPoint>,
+    settings: &PathSettings,
+) -> Result<Path, SolverFailure> {
+    let mut walk = Walk { system, solver, settings, points, iterations: 0, shifted: 0, spent: 0 };
+    let ending = walk.to(max_load)?;
+    Ok(Path { points: walk.points, ending })
+}
+
+struct Walk<'a> {
+    system: &'a mut dyn LoadedSystem,
+    solver: &'a mut dyn EquilibriumSolver,
+    settings: &'a PathSettings,
+    points: Vec<PathPoint>,
+    /// Since the last accepted point.
+    iterations: usize,
+    shifted: usize,
+    /// On this path.
+    spent: usize,
+}
+
+impl Walk<'_> {
+    fn to(&mut self, max_load: f64) -> Result<Ending, SolverFailure> {
+        if self.points.is_empty()
+            && let Err(ending) = self.accept_start()?
+        {
+            return Ok(ending);
+        }
+        let sample = |k: usize| max_load * k as f64 / self.settings.steps as f64;
+        let half_step = 0.5 * sample(1);
+        let first = (1..=self.settings.steps).find(|&k| sample(k) > self.last().load + half_step * 1e-9);
+        let Some(first) = first else {
+            return Ok(Ending::Reached);
+        };
+        for k in first..=self.settings.steps {
+            let target = max_load * k as f64 / self.settings.steps as f64;
+            if let Some(ending) = self.reach(target, 2.0 * half_step)? {
+                return Ok(ending);
+            }
+        }
+        Ok(Ending::Reached)
+    }
+
+    /// Walks to `target`, halving the step where Newton's method fails; the ending, where one came first.
+    fn reach(&mut self, target: f64, sample_step: f64) -> Result<Option<Ending>, SolverFailure> {
+        let smallest = sample_step * 0.5_f64.powi(self.settings.halvings as i32);
+        let mut step = target - self.last().load;
+        loop {
+            let remaining = target - self.last().load;
+            let load = if step >= remaining * (1.0 - 1e-9) { target } else { self.last().load + step };
+            match self.try_load(load)? {
+                Ok(()) if load == target => return Ok(None),
+                Ok(()) => {}
+                Err(Ending::BudgetSpent) => return Ok(Some(Ending::BudgetSpent)),
+                Err(ending) => {
+                    step = 0.5 * (load - self.last().load);
+                    if step < smallest * (1.0 - 1e-9) {
+                        return Ok(Some(ending));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Solves at `load` and accepts the state when it is a stable equilibrium.
+    fn try_load(&mut self, load: f64) -> Result<Result<(), Ending>, SolverFailure> {
+        self.system.set_load(load);
+        let mut x = self.prediction(load);
+        let report = self.solver.solve(self.system, &mut x, &self.settings.newton)?;
+        self.iterations += report.iterations;
+        self.spent += report.iterations;
+        self.shifted += report.shifted;
+        if self.spent > self.settings.iteration_budget {
+            return Ok(Err(Ending::BudgetSpent));
+        }
+        if let Some(ending) = failure(&report) {
+            return Ok(Err(ending));
+        }
+        self.accept(load, x)
+    }
+
+    fn accept_start(&mut self) -> Result<Result<(), Ending>, SolverFailure> {
+        self.system.set_load(0.0);
+        let x = vec![0.0; self.system.pattern().order()];
+        self.accept(0.0, x)
+    }
+
+    fn accept(&mut self, load: f64, x: Vec<f64>) -> Result<Result<(), Ending>, SolverFailure> {
+        let negative_pivots = self.solver.linearize(self.system, &x)?;
+        if negative_pivots != self.system.stable_negative_pivots() {
+            return Ok(Err(Ending::Unstable));
+        }
+        let mut direction = vec![0.0; x.len()];
+        self.system.load_direction(&x, &mut direction);
+        let mut rate = direction.clone();
+        self.solver.solve_linearized(&mut rate)?;
+        let conjugate = self.system.conjugate(&x);
+        let conjugate_rate = direction.iter().zip(&rate).map(|(a, b)| a * b).sum();
+        let Ok(energy) = self.system.energy(&x) else {
+            return Ok(Err(Ending::Inverted));
+        };
+        let mut point = PathPoint {
+            load,
+            conjugate,
+            work: 0.0,
+            stored_energy: energy + load * conjugate,
+            x,
+            rate,
+            conjugate_rate,
+            newton_iterations: std::mem::take(&mut self.iterations),
+            shifted: std::mem::take(&mut self.shifted),
+        };
+        if let Some(last) = self.points.last() {
+            point.work = last.work + work_between(last, &point);
+        }
+        self.points.push(point);
+        Ok(Ok(()))
+    }
+
+    fn last(&self) -> &PathPoint {
+        self.points.last().expect("the start is accepted first")
+    }
+
+    /// The best of the cubic, the tangent and the last state itself, by the size of their residual.
+    fn prediction(&mut self, load: f64) -> Vec<f64> {
+        let last = self.last();
+        let mut steps = vec![tangent_step(last, load)];
+        if let [.., before, last] = self.points.as_slice() {
+            steps.push(cubic_step(before, last, load));
+        }
+        let start = last.x.clone();
+        let mut best = start.clone();
+        let mut residual = vec![0.0; best.len()];
+        let mut smallest = f64::INFINITY;
+        for step in steps {
+            let length = self.system.longest_step(&start, &step);
+            let x: Vec<f64> = start.iter().zip(&step).map(|(x, dx)| x + length * dx).collect();
+            if self.system.residual(&x, &mut residual).is_ok() {
+                let size = residual.iter().map(|r| r * r).sum::<f64>();
+                if size < smallest {
+                    (smallest, best) = (size, x);
+                }
+            }
+        }
+        best
+    }
+}
+
+fn failure(report: &NewtonReport) -> Option<Ending> {
+    match report.ending {
+        NewtonEnding::Converged => None,
+        _ if report.shifted > 0 => Some(Ending::LimitPoint),
+        NewtonEnding::Singular => Some(Ending::LimitPoint),
+        NewtonEnding::Inadmissible => Some(Ending::Inverted),
+        NewtonEnding::IterationLimit | NewtonEnding::LineSearchFailed => Some(Ending::Stalled),
+    }
+}
+
+fn tangent_step(last: &PathPoint, load: f64) -> Vec<f64> {
+    last.rate.iter().map(|rate| (load - last.load) * rate).collect()
+}
+
+/// The step to `load` along the cubic through two states with their rates.
+fn cubic_step(before: &PathPoint, last: &PathPoint, load: f64) -> Vec<f64> {
+    let h = last.load - before.load;
+    let s = (load - before.load) / h;
+    // Hermite's basis at s, less its value at s = 1.
+    let (s2, s3) = (s * s, s * s * s);
+    let at_before = 2.0 * s3 - 3.0 * s2 + 1.0;
+    let rate_before = h * (s3 - 2.0 * s2 + s);
+    let rate_last = h * (s3 - s2);
+    (0..last.x.len())
+        .map(|i| {
+            at_before * (before.x[i] - last.x[i])
+                + rate_before * before.rate[i]
+                + rate_last * last.rate[i]
+        })
+        .collect()
+}
+
+/// `int load dC` between two states.
+fn work_between(a: &PathPoint, b: &PathPoint) -> f64 {
+    let h = b.load - a.load;
+    // Relative to a's conjugate, so that nothing large cancels.
+    let rise = b.conjugate - a.conjugate;
+    let integral = 0.5 * h * rise + h * h / 12.0 * (a.conjugate_rate - b.conjugate_rate);
+    b.load * rise - integral
+}

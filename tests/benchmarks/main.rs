@@ -1,0 +1,4 @@
+//! Problems with a known answer, one file each.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod inflated_sphere;
