@@ -1,6 +1,23 @@
 //! Which triangles bound it? Closed triangle surfaces.
+//!
+//! ```text
+//! field -> isosurface -> chamber check -> remesh -> quality
+//! ```
+//! Every surface that leaves this room is a closed, oriented 2-manifold
+//! ([`TriangleMesh::check_closed_manifold`]); what stays a property of the field, such as a wall
+//! thinner than the printer can make, is not judged here.
 
 mod primitives;
+mod chamber;
+mod half_edges;
+mod isosurface;
+mod mesh_defect;
+#[cfg(test)]
+mod test_fields;
 mod triangle_mesh;
 
+pub use chamber::Chamber;
+pub use half_edges::HalfEdges;
+pub use isosurface::isosurface;
+pub use mesh_defect::MeshDefect;
 pub use triangle_mesh::TriangleMesh;

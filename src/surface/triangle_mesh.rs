@@ -2,6 +2,8 @@
 
 use crate::math::Vec3;
 
+use super::{HalfEdges, MeshDefect};
+
 /// Triangles over shared vertices, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
@@ -21,20 +23,179 @@ impl TriangleMesh {
     /// The enclosed volume, mm^3, positive when the triangles face outward.
     #[must_use]
     pub fn volume(&self) -> f64 {
-        let corner_volume = |t| {
-            let [a, b, c] = self.corners(t);
-            a.dot(&b.cross(&c)) / 6.0
-        };
-        (0..self.triangles.len()).map(corner_volume).sum()
+        (0..self.triangles.len()).map(|t| self.volume_below(t)).sum()
     }
 
     /// The surface area, mm^2.
     #[must_use]
     pub fn area(&self) -> f64 {
-        let corner_area = |t| {
-            let [a, b, c] = self.corners(t);
-            (b - a).cross(&(c - a)).norm() / 2.0
+        (0..self.triangles.len()).map(|t| self.area_vector(t).norm()).sum()
+    }
+
+    /// The outward normal of triangle `t` times its area, mm^2.
+    #[must_use]
+    pub fn area_vector(&self, t: usize) -> Vec3 {
+        let [a, b, c] = self.corners(t);
+        (b - a).cross(&(c - a)) / 2.0
+    }
+
+    /// The area-weighted unit normal at each vertex, `[vertices]`; zero where the areas cancel.
+    #[must_use]
+    pub fn vertex_normals(&self) -> Vec<Vec3> {
+        let mut normals = vec![Vec3::zeros(); self.positions.len()];
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            for &v in triangle {
+                normals[v as usize] += self.area_vector(t);
+            }
+        }
+        for normal in &mut normals {
+            *normal = normal.try_normalize(0.0).unwrap_or_default();
+        }
+        normals
+    }
+
+    /// The lower and upper corner of the smallest box around the vertices, mm; `None` without vertices.
+    #[must_use]
+    pub fn bounding_box(&self) -> Option<(Vec3, Vec3)> {
+        let first = *self.positions.first()?;
+        let widen = |(lower, upper): (Vec3, Vec3), p: &Vec3| (lower.inf(p), upper.sup(p));
+        Some(self.positions.iter().fold((first, first), widen))
+    }
+
+    /// The connected component of each triangle, `[triangles]`, numbered in order of appearance.
+    ///
+    /// Triangles are connected when they share a vertex.
+    #[must_use]
+    pub fn components(&self) -> Vec<u32> {
+        let mut parents: Vec<u32> = (0..self.positions.len() as u32).collect();
+        for &[a, b, c] in &self.triangles {
+            for (v, w) in [(a, b), (a, c)] {
+                let (v, w) = (root(&mut parents, v), root(&mut parents, w));
+                parents[v.max(w) as usize] = v.min(w);
+            }
+        }
+        let mut numbers = vec![None; self.positions.len()];
+        let mut count = 0;
+        let number = |triangle: &[u32; 3]| {
+            *numbers[root(&mut parents, triangle[0]) as usize].get_or_insert_with(|| {
+                count += 1;
+                count - 1
+            })
         };
-        (0..self.triangles.len()).map(corner_area).sum()
+        self.triangles.iter().map(number).collect()
+    }
+
+    /// The enclosed volume of each connected component, mm^3; negative for a void.
+    #[must_use]
+    pub fn component_volumes(&self) -> Vec<f64> {
+        let components = self.components();
+        let count = components.iter().max().map_or(0, |&last| last as usize + 1);
+        let mut volumes = vec![0.0; count];
+        for (t, &component) in components.iter().enumerate() {
+            volumes[component as usize] += self.volume_below(t);
+        }
+        volumes
+    }
+
+    /// The number of handles of a closed surface, summed over its components.
+    ///
+    /// ```text
+    /// genus = components - (V - E + F) / 2,   E = 3 F / 2
+    /// ```
+    #[must_use]
+    pub fn genus(&self) -> usize {
+        let components = self.components().iter().max().map_or(0, |&last| last as usize + 1);
+        (2 * components + self.triangles.len() / 2).saturating_sub(self.positions.len()) / 2
+    }
+
+    /// Whether the triangles are a closed, outward-oriented 2-manifold over finite, used vertices.
+    ///
+    /// # Errors
+    /// The first [`MeshDefect`] found. Intersections of the surface with itself are not looked for.
+    pub fn check_closed_manifold(&self) -> Result<(), MeshDefect> {
+        HalfEdges::try_from(self)?;
+        let not_finite = |p: &&Vec3| !p.iter().all(|x| x.is_finite());
+        let vertices = self.positions.iter().filter(not_finite).count();
+        if vertices > 0 {
+            return Err(MeshDefect::NotFinite { vertices });
+        }
+        let volume = self.volume();
+        if volume <= 0.0 {
+            return Err(MeshDefect::FacesInward { volume });
+        }
+        Ok(())
+    }
+
+    /// The signed volume between triangle `t` and the origin, mm^3.
+    fn volume_below(&self, t: usize) -> f64 {
+        let [a, b, c] = self.corners(t);
+        a.dot(&b.cross(&c)) / 6.0
+    }
+}
+
+fn root(parents: &mut [u32], mut v: u32) -> u32 {
+    while parents[v as usize] != v {
+        let grandparent = parents[parents[v as usize] as usize];
+        parents[v as usize] = grandparent;
+        v = grandparent;
+    }
+    v
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    fn tetrahedron(at: Vec3) -> TriangleMesh {
+        TriangleMesh {
+            positions: vec![at, at + Vec3::x(), at + Vec3::y(), at + Vec3::z()],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        }
+    }
+
+    fn together(a: &TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
+        let shift = a.positions.len() as u32;
+        let shifted = b.triangles.iter().map(|t| t.map(|v| v + shift));
+        TriangleMesh {
+            positions: [a.positions.clone(), b.positions.clone()].concat(),
+            triangles: a.triangles.iter().copied().chain(shifted).collect(),
+        }
+    }
+
+    #[test]
+    fn measures_of_a_corner_tetrahedron() {
+        let mesh = tetrahedron(Vec3::new(2.0, -1.0, 0.5));
+        // Closed forms; the tolerance is a few roundings.
+        assert_relative_eq!(mesh.volume(), 1.0 / 6.0, max_relative = 1e-13);
+        assert_relative_eq!(mesh.area(), 1.5 + 3f64.sqrt() / 2.0, max_relative = 1e-13);
+        assert_eq!(mesh.genus(), 0);
+        assert_eq!(mesh.check_closed_manifold(), Ok(()));
+        let (lower, upper) = mesh.bounding_box().unwrap();
+        assert_eq!((lower, upper), (Vec3::new(2.0, -1.0, 0.5), Vec3::new(3.0, 0.0, 1.5)));
+        let inward = -Vec3::new(1.0, 1.0, 1.0) / 3f64.sqrt();
+        assert_relative_eq!(mesh.vertex_normals()[0], inward, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn islands_are_counted_and_measured() {
+        let far = tetrahedron(Vec3::new(9.0, 0.0, 0.0));
+        let mut pair = together(&tetrahedron(Vec3::zeros()), &far);
+        pair.triangles.swap(1, 6);
+        assert_eq!(pair.components(), [0, 1, 0, 0, 1, 1, 0, 1]);
+        for volume in pair.component_volumes() {
+            assert_relative_eq!(volume, 1.0 / 6.0, max_relative = 1e-13);
+        }
+        assert_eq!(pair.genus(), 0);
+    }
+
+    #[test]
+    fn inward_and_infinite_surfaces_are_refused() {
+        let mut mesh = tetrahedron(Vec3::zeros());
+        mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        assert!(matches!(mesh.check_closed_manifold(), Err(MeshDefect::FacesInward { .. })));
+        mesh.positions[2].y = f64::NAN;
+        assert_eq!(mesh.check_closed_manifold(), Err(MeshDefect::NotFinite { vertices: 1 }));
     }
 }
