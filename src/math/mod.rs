@@ -1,7 +1,9 @@
 //! The floor: words that any room may use.
 
+mod cpu_time;
 mod rejected;
 
+pub use cpu_time::cpu_seconds;
 pub use rejected::{Rejected, Room};
 
 /// A point or vector in space, mm.

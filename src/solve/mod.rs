@@ -4,6 +4,13 @@
 //! Both run the same line search on the energy, so that they walk through the same iterates.
 
 mod line_search;
+#[cfg(feature = "petsc")]
+mod petsc;
+#[cfg(test)]
+mod test_systems;
+
+#[cfg(feature = "petsc")]
+pub use petsc::Snes;
 
 use serde::{Deserialize, Serialize};
 
