@@ -7,7 +7,11 @@ mod factor;
 mod line_search;
 mod native;
 mod path;
+#[cfg(feature = "petsc")]
+mod petsc;
 mod shift;
+#[cfg(test)]
+mod test_systems;
 
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +19,8 @@ use crate::model::system::System;
 
 pub use native::NativeSolver;
 pub use path::{Ending, Path, PathPoint, PathSettings, follow};
+#[cfg(feature = "petsc")]
+pub use petsc::Snes;
 
 /// When Newton's method stops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

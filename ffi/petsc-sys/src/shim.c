@@ -1,0 +1,22 @@
+#define _GNU_SOURCE /* RTLD_DEFAULT */
+#include "shim.h"
+
+#include <dlfcn.h>
+
+MPI_Comm petsc_sys_comm_self(void) { return PETSC_COMM_SELF; }
+
+int petsc_sys_thread_serialized(void) { return MPI_THREAD_SERIALIZED; }
+
+PetscErrorCode petsc_sys_line_search_shell(
+    SNESLineSearch search, PetscErrorCode (*apply)(SNESLineSearch, void *), void *context) {
+#if PETSC_VERSION_LT(3, 21, 0)
+  return SNESLineSearchShellSetUserFunc(search, apply, context);
+#else
+  return SNESLineSearchShellSetApply(search, apply, context);
+#endif
+}
+
+void petsc_sys_blas_threads(int threads) {
+  void (*set)(int) = (void (*)(int))dlsym(RTLD_DEFAULT, "openblas_set_num_threads");
+  if (set) set(threads);
+}

@@ -1,0 +1,317 @@
+//! Equilibria by PETSc: SNES drives Newton's method, MUMPS factorises, our line search chooses the step.
+//!
+//! ```text
+//! (K(x) + sigma I) dx = -R(x)      x <- x + a dx,  a by `line_search`
+//! sigma = 0, or the first of  1e-5 mean|diag K| * 4^k  that leaves no more negative pivots than stable
+//! ```
+//!
+//! The energy is the line search's objective. The matrix is SBAIJ (upper triangle) with an `L D L^T` whose
+//! analysis is made once per solver; there is one numeric factorisation per tangent and shift.
+
+mod library;
+mod observed;
+
+use self::library::{Driver, Factor, Inertia, Newton, Session};
+use self::observed::Observed;
+use super::{
+    EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes, SolverFailure,
+    line_search,
+};
+use crate::math::cpu_seconds;
+use crate::model::system::{SparsityPattern, System};
+
+/// The first shift, relative to the mean size of the diagonal.
+const FIRST_SHIFT: f64 = 1e-5;
+const SHIFT_GROWTH: f64 = 4.0;
+/// The last shift is 1e12 times the mean diagonal.
+const SHIFTS: usize = 30;
+
+/// Solver by PETSc's SNES with MUMPS, for systems of one sparsity pattern.
+///
+/// Any number may exist and be used from any threads, but PETSc is not thread-safe: each call holds a
+/// process-wide lock, so calls from several threads take turns. Work in parallel by processes.
+///
+/// After a [`SolverFailure`] make a new solver; after a panic of the system it may be used again.
+#[derive(Debug)]
+pub struct Snes {
+    tangent: Tangent,
+    driver: Driver,
+    linearized: bool,
+    times: SolveTimes,
+}
+
+impl Snes {
+    /// A solver for systems with this `pattern`; starts PETSc (and MPI) if this is the first in the process.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when PETSc cannot start, or was built without MUMPS.
+    ///
+    /// # Panics
+    /// When a column has no diagonal entry.
+    pub fn new(pattern: &SparsityPattern) -> Result<Self, SolverFailure> {
+        let session = Session::open()?;
+        let start = cpu_seconds();
+        let tangent = Tangent::new(&session, pattern)?;
+        let driver = Driver::new(&session, &tangent.factor, pattern.order())?;
+        let times = SolveTimes { assembly: 0.0, factorization: cpu_seconds() - start };
+        Ok(Self { tangent, driver, linearized: false, times })
+    }
+}
+
+impl EquilibriumSolver for Snes {
+    /// # Panics
+    /// When the system's pattern is not the solver's, when the system panics, or calls a PETSc solver itself.
+    fn solve(
+        &mut self,
+        system: &mut dyn System,
+        x: &mut [f64],
+        settings: &NewtonSettings,
+    ) -> Result<NewtonReport, SolverFailure> {
+        self.tangent.check_pattern(system.pattern());
+        self.linearized = false;
+        let session = Session::open()?;
+        let order = x.len();
+        let mut drive = Drive {
+            session: &session,
+            threshold: settings.tolerance * system.force_scale(),
+            stable_negative_pivots: system.stable_negative_pivots(),
+            system: Observed::new(system),
+            tangent: &mut self.tangent,
+            energy: f64::INFINITY,
+            direction: vec![0.0; order],
+            trial: vec![0.0; order],
+            trial_residual: vec![0.0; order],
+            stuck_inadmissible: false,
+            factorization: 0.0,
+            iterations: 0,
+            residual_norm: f64::INFINITY,
+            shifted: 0,
+        };
+        let ended = self.driver.solve(&session, &mut drive, x, settings.max_iterations);
+        self.times.assembly += drive.system.seconds();
+        self.times.factorization += drive.factorization;
+        let ending = match ended? {
+            NewtonEnding::LineSearchFailed if drive.stuck_inadmissible => {
+                NewtonEnding::Inadmissible
+            }
+            ending => ending,
+        };
+        Ok(NewtonReport {
+            ending,
+            iterations: drive.iterations,
+            residual_norm: drive.residual_norm,
+            shifted: drive.shifted,
+        })
+    }
+
+    fn linearize(&mut self, system: &mut dyn System, x: &[f64]) -> Result<usize, SolverFailure> {
+        self.tangent.check_pattern(system.pattern());
+        self.linearized = false;
+        let start = cpu_seconds();
+        let mut residual = vec![0.0; x.len()];
+        system
+            .tangent(x, &mut residual, &mut self.tangent.entries)
+            .expect("linearize is called at an admissible state");
+        let assembled = cpu_seconds();
+        self.times.assembly += assembled - start;
+        let session = Session::open()?;
+        let inertia = self.tangent.factorize(&session, 0.0)?;
+        self.times.factorization += cpu_seconds() - assembled;
+        let Inertia { negative, .. } = inertia.ok_or_else(|| SolverFailure {
+            library: "PETSc",
+            message: "the tangent is singular".to_owned(),
+        })?;
+        self.linearized = true;
+        Ok(negative)
+    }
+
+    /// # Panics
+    /// When no [`Self::linearize`] has succeeded since the last [`Self::solve`].
+    fn solve_linearized(&mut self, b: &mut [f64]) -> Result<(), SolverFailure> {
+        assert!(self.linearized, "solve_linearized without linearize before it");
+        let session = Session::open()?;
+        let start = cpu_seconds();
+        let solved = self.tangent.factor.solve(&session, b);
+        self.times.factorization += cpu_seconds() - start;
+        solved
+    }
+
+    fn times(&self) -> SolveTimes {
+        self.times
+    }
+}
+
+/// The system's tangent, and how it becomes PETSc's matrix.
+///
+/// The lower column `j` of the pattern is the upper row `j` of the matrix.
+#[derive(Debug)]
+struct Tangent {
+    pattern: SparsityPattern,
+    /// The system's stored entries, [stored].
+    entries: Vec<f64>,
+    /// Which of them the matrix has, in its order, [upper].
+    kept: Vec<usize>,
+    /// Where each row starts in `kept`, with the diagonal, [n + 1].
+    starts: Vec<usize>,
+    factor: Factor,
+}
+
+impl Tangent {
+    fn new(session: &Session, pattern: &SparsityPattern) -> Result<Self, SolverFailure> {
+        let rows = &pattern.row_indices;
+        let (mut kept, mut columns, mut starts) = (Vec::new(), Vec::new(), vec![0]);
+        for (column, bounds) in pattern.column_starts.windows(2).enumerate() {
+            let stored = bounds[0] as usize..bounds[1] as usize;
+            let lower = stored.filter(|&entry| rows[entry] as usize >= column);
+            kept.extend(lower);
+            columns.extend(kept[starts[column]..].iter().map(|&entry| rows[entry] as usize));
+            assert_eq!(columns.get(starts[column]), Some(&column), "column without diagonal entry");
+            starts.push(kept.len());
+        }
+        let factor = Factor::new(session, &starts, &columns)?;
+        let entries = vec![0.0; pattern.stored()];
+        Ok(Self { pattern: pattern.clone(), entries, kept, starts, factor })
+    }
+
+    fn check_pattern(&self, pattern: &SparsityPattern) {
+        assert!(&self.pattern == pattern, "the system's pattern is not the solver's");
+    }
+
+    fn factorize(
+        &mut self,
+        session: &Session,
+        shift: f64,
+    ) -> Result<Option<Inertia>, SolverFailure> {
+        self.factor.factorize(session, |values| {
+            for (value, &entry) in values.iter_mut().zip(&self.kept) {
+                *value = self.entries[entry];
+            }
+            for &diagonal in &self.starts[..self.starts.len() - 1] {
+                values[diagonal] += shift;
+            }
+        })
+    }
+
+    /// Factorises with the smallest shift that leaves at most `negative` negative pivots; returns that shift.
+    fn factorize_stable(
+        &mut self,
+        session: &Session,
+        negative: usize,
+    ) -> Result<Option<f64>, SolverFailure> {
+        let stable = |inertia: Option<Inertia>| {
+            inertia.is_some_and(|inertia| inertia.negative <= negative && inertia.zero == 0)
+        };
+        if stable(self.factorize(session, 0.0)?) {
+            return Ok(Some(0.0));
+        }
+        let mut shift = FIRST_SHIFT * self.mean_diagonal();
+        for _ in 0..SHIFTS {
+            if stable(self.factorize(session, shift)?) {
+                return Ok(Some(shift));
+            }
+            shift *= SHIFT_GROWTH;
+        }
+        Ok(None)
+    }
+
+    fn mean_diagonal(&self) -> f64 {
+        let diagonal = &self.starts[..self.starts.len() - 1];
+        let sum: f64 = diagonal.iter().map(|&start| self.entries[self.kept[start]].abs()).sum();
+        sum / diagonal.len() as f64
+    }
+
+    fn is_finite(&self) -> bool {
+        self.kept.iter().all(|&entry| self.entries[entry].is_finite())
+    }
+}
+
+/// One solve: the system's answers to what SNES asks.
+struct Drive<'a> {
+    session: &'a Session,
+    threshold: f64,
+    stable_negative_pivots: usize,
+    system: Observed<'a>,
+    tangent: &'a mut Tangent,
+    /// The energy at the iterate, mJ.
+    energy: f64,
+    direction: Vec<f64>,
+    trial: Vec<f64>,
+    trial_residual: Vec<f64>,
+    /// The line search met no admissible state.
+    stuck_inadmissible: bool,
+    factorization: f64,
+    iterations: usize,
+    residual_norm: f64,
+    shifted: usize,
+}
+
+impl Newton for Drive<'_> {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> bool {
+        match self.system.residual(x, residual) {
+            Ok(energy) if all_finite(residual) => {
+                self.energy = energy;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn converged(&mut self, residual_norm: f64) -> bool {
+        self.residual_norm = residual_norm;
+        residual_norm <= self.threshold
+    }
+
+    fn tangent(&mut self, x: &[f64]) -> bool {
+        let made = self.system.tangent(x, &mut self.trial_residual, &mut self.tangent.entries);
+        let admissible = made.is_ok() && self.tangent.is_finite();
+        self.iterations += usize::from(admissible);
+        admissible
+    }
+
+    fn correction(&mut self, b: &mut [f64]) -> Result<bool, SolverFailure> {
+        let start = cpu_seconds();
+        let shift = self.tangent.factorize_stable(self.session, self.stable_negative_pivots)?;
+        if shift.is_some() {
+            self.tangent.factor.solve(self.session, b)?;
+        }
+        self.factorization += cpu_seconds() - start;
+        self.shifted += usize::from(shift != Some(0.0));
+        Ok(shift.is_some())
+    }
+
+    fn step(&mut self, x: &mut [f64], residual: &mut [f64], correction: &[f64]) -> bool {
+        for (direction, correction) in self.direction.iter_mut().zip(correction) {
+            *direction = -correction;
+        }
+        let slope = residual.iter().zip(&self.direction).map(|(r, d)| r * d).sum();
+        self.system.forget_admissible();
+        let step = line_search::search(
+            &mut self.system,
+            x,
+            &self.direction,
+            self.energy,
+            slope,
+            &mut self.trial,
+        );
+        if step.is_none() {
+            self.stuck_inadmissible = self.system.met_only_inadmissible();
+            return false;
+        }
+        match self.system.residual(&self.trial, &mut self.trial_residual) {
+            Ok(energy) if all_finite(&self.trial_residual) => {
+                self.energy = energy;
+                x.copy_from_slice(&self.trial);
+                residual.copy_from_slice(&self.trial_residual);
+                true
+            }
+            _ => {
+                self.stuck_inadmissible = true;
+                false
+            }
+        }
+    }
+}
+
+fn all_finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}

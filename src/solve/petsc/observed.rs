@@ -1,0 +1,80 @@
+//! A system with a clock, and a note of whether the line search found it defined anywhere.
+
+use crate::math::cpu_seconds;
+use crate::model::system::{Inadmissible, SparsityPattern, System};
+
+/// Forwards to a system, adding up what its evaluations cost.
+pub(super) struct Observed<'a> {
+    system: &'a mut dyn System,
+    seconds: f64,
+    admissible: usize,
+    inadmissible: usize,
+}
+
+impl<'a> Observed<'a> {
+    pub(super) fn new(system: &'a mut dyn System) -> Self {
+        Self { system, seconds: 0.0, admissible: 0, inadmissible: 0 }
+    }
+
+    /// CPU time of all evaluations, s.
+    pub(super) fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Starts counting energies anew.
+    pub(super) fn forget_admissible(&mut self) {
+        (self.admissible, self.inadmissible) = (0, 0);
+    }
+
+    /// Were there energies asked for, and none defined?
+    pub(super) fn met_only_inadmissible(&self) -> bool {
+        self.admissible == 0 && self.inadmissible > 0
+    }
+
+    fn timed<T>(&mut self, evaluate: impl FnOnce(&mut dyn System) -> T) -> T {
+        let start = cpu_seconds();
+        let value = evaluate(self.system);
+        self.seconds += cpu_seconds() - start;
+        value
+    }
+}
+
+impl System for Observed<'_> {
+    fn pattern(&self) -> &SparsityPattern {
+        self.system.pattern()
+    }
+
+    fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
+        let energy = self.timed(|system| system.energy(x));
+        match energy {
+            Ok(_) => self.admissible += 1,
+            Err(_) => self.inadmissible += 1,
+        }
+        energy
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<f64, Inadmissible> {
+        self.timed(|system| system.residual(x, residual))
+    }
+
+    fn tangent(
+        &mut self,
+        x: &[f64],
+        residual: &mut [f64],
+        tangent: &mut [f64],
+    ) -> Result<f64, Inadmissible> {
+        self.timed(|system| system.tangent(x, residual, tangent))
+    }
+
+    fn longest_step(&self, x: &[f64], dx: &[f64]) -> f64 {
+        self.system.longest_step(x, dx)
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.system.force_scale()
+    }
+
+    fn stable_negative_pivots(&self) -> usize {
+        self.system.stable_negative_pivots()
+    }
+}
