@@ -1,0 +1,302 @@
+//! STL surfaces: triangles without shared vertices on the file, an indexed mesh in memory.
+//!
+//! The file's numbers are 32-bit: a corner that triangles share may differ in its last digits, so
+//! corners closer than a tolerance become one vertex. No unit is written in the file: mm is meant.
+//! What is read is not checked for being closed or for facing outward.
+
+use std::collections::HashMap;
+use std::fs;
+use std::io::Cursor;
+use std::path::Path;
+
+use super::{InputError, OutputError, atomic};
+use crate::math::Vec3;
+use crate::surface::TriangleMesh;
+
+/// The tolerance that joins what 32-bit rounding separated (1e-7 of a coordinate) and nothing a mesher made
+/// (edges of 1e-3 of the part and longer).
+pub const WELD_TOLERANCE: f64 = 1e-5;
+
+/// The triangles of the STL file `path`, ASCII or binary, mm.
+///
+/// Corners within `weld` times the bounding box's diagonal become one vertex, at the first corner's position;
+/// 0 joins equal corners only. Triangles that lose a corner by it are left out.
+///
+/// # Errors
+/// [`InputError`] when the file cannot be read, is not one STL solid, or has no triangle or a coordinate that is not finite.
+pub fn read(path: &Path, weld: f64) -> Result<TriangleMesh, InputError> {
+    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let corners = triangles(bytes).map_err(|what| InputError::new(path, what))?;
+    if corners.is_empty() {
+        return Err(InputError::new(path, "the STL holds no triangle"));
+    }
+    if let Some(t) = corners.iter().position(|triangle| !triangle.iter().all(is_finite)) {
+        let what = format!("triangle {} has a coordinate that is not finite", t + 1);
+        return Err(InputError::new(path, what));
+    }
+    let mesh = welded(&corners, weld);
+    if mesh.triangles.is_empty() {
+        return Err(InputError::new(path, "every triangle of the STL is degenerate"));
+    }
+    Ok(mesh)
+}
+
+/// Writes `mesh` as the binary STL file `path`, whole or not at all; positions are rounded to 32 bits.
+///
+/// # Errors
+/// [`OutputError::Write`] when the file system refuses.
+pub fn write(path: &Path, mesh: &TriangleMesh) -> Result<(), OutputError> {
+    let single = |v: Vec3| stl_io::Vector::new([v.x as f32, v.y as f32, v.z as f32]);
+    let triangles: Vec<_> = (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+            stl_io::Triangle { normal: single(normal), vertices: [a, b, c].map(single) }
+        })
+        .collect();
+    let mut bytes = Vec::new();
+    stl_io::write_stl(&mut bytes, triangles.iter())
+        .map_err(|source| OutputError::write(path, source))?;
+    atomic::write(path, &bytes)
+}
+
+/// Bytes before the first triangle of a binary STL, and bytes of each.
+const HEADER: usize = 84;
+const TRIANGLE: usize = 50;
+
+fn triangles(mut bytes: Vec<u8>) -> Result<Vec<[Vec3; 3]>, String> {
+    let announced = bytes.get(80..HEADER).map(|count| {
+        u32::from_le_bytes(count.try_into().expect("the range has four bytes")) as usize
+    });
+    let is_binary = announced.is_some_and(|count| bytes.len() == HEADER + TRIANGLE * count);
+    if is_binary {
+        // Some programs begin a binary header with "solid", which `stl_io` takes for ASCII.
+        bytes[0] = b' ';
+    } else if bytes.starts_with(b"solid") {
+        if bytes.windows(8).filter(|word| word == b"endsolid").count() > 1 {
+            return Err("the STL holds several solids; only one is read".to_owned());
+        }
+        // A nameless solid: `stl_io` wants the space.
+        bytes.insert(5, b' ');
+    } else {
+        return Err(match announced {
+            Some(count) => format!(
+                "not an STL: neither ASCII, nor binary ({count} triangles would be {} bytes, there are {})",
+                HEADER + TRIANGLE * count,
+                bytes.len()
+            ),
+            None => "not an STL: neither ASCII nor long enough for binary".to_owned(),
+        });
+    }
+    let mut cursor = Cursor::new(bytes);
+    let not_stl = |error: std::io::Error| format!("not an STL: {error}");
+    let reader = stl_io::create_stl_reader(&mut cursor).map_err(not_stl)?;
+    reader
+        .map(|triangle| triangle.map(|t| t.vertices.map(|v| Vec3::from(v.0.map(f64::from)))))
+        .collect::<Result<_, _>>()
+        .map_err(not_stl)
+}
+
+fn is_finite(v: &Vec3) -> bool {
+    v.iter().all(|x| x.is_finite())
+}
+
+fn welded(corners: &[[Vec3; 3]], weld: f64) -> TriangleMesh {
+    let all = || corners.iter().flatten();
+    let low = all().fold(Vec3::repeat(f64::INFINITY), |low, v| low.inf(v));
+    let high = all().fold(Vec3::repeat(f64::NEG_INFINITY), |high, v| high.sup(v));
+    let mut vertices = WeldedVertices::new(low, weld * (high - low).norm());
+    let triangles = corners.iter().map(|triangle| triangle.map(|corner| vertices.index(corner)));
+    let triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    without_unused(TriangleMesh { triangles, positions: vertices.positions })
+}
+
+/// Vertices no two of which are within `tolerance`, found through a grid of that spacing.
+struct WeldedVertices {
+    origin: Vec3,
+    tolerance: f64,
+    positions: Vec<Vec3>,
+    cells: HashMap<[i64; 3], Vec<u32>>,
+}
+
+impl WeldedVertices {
+    fn new(origin: Vec3, tolerance: f64) -> Self {
+        Self { origin, tolerance, positions: Vec::new(), cells: HashMap::new() }
+    }
+
+    /// The first vertex within the tolerance of `corner`; a new one when there is none.
+    fn index(&mut self, corner: Vec3) -> u32 {
+        let [i, j, k] = self.cell(corner);
+        let reach = if self.tolerance > 0.0 { -1..=1 } else { 0..=0 };
+        let near = reach.clone().flat_map(|di| {
+            let reach = reach.clone();
+            reach.clone().flat_map(move |dj| reach.clone().map(move |dk| [i + di, j + dj, k + dk]))
+        });
+        let found = near
+            .filter_map(|cell| self.cells.get(&cell))
+            .flatten()
+            .copied()
+            .filter(|&v| (self.positions[v as usize] - corner).norm() <= self.tolerance)
+            .min();
+        found.unwrap_or_else(|| {
+            let v = self.positions.len() as u32;
+            self.positions.push(corner);
+            self.cells.entry([i, j, k]).or_default().push(v);
+            v
+        })
+    }
+
+    fn cell(&self, corner: Vec3) -> [i64; 3] {
+        if self.tolerance > 0.0 {
+            ((corner - self.origin) / self.tolerance).map(|x| x.floor() as i64).into()
+        } else {
+            // Adding zero makes the two zeros one.
+            corner.map(|x| (x + 0.0).to_bits() as i64).into()
+        }
+    }
+}
+
+/// The mesh without the vertices that only degenerate triangles had.
+fn without_unused(mesh: TriangleMesh) -> TriangleMesh {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let mut count = 0;
+    let renumbered: Vec<u32> = used
+        .iter()
+        .map(|&used| {
+            let number = count;
+            count += u32::from(used);
+            number
+        })
+        .collect();
+    let kept = mesh.positions.into_iter().zip(used).filter(|(_, used)| *used);
+    TriangleMesh {
+        positions: kept.map(|(position, _)| position).collect(),
+        triangles: mesh.triangles.iter().map(|t| t.map(|v| renumbered[v as usize])).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cube of edge 10 mm, facing outward.
+    fn cube() -> TriangleMesh {
+        let corner = |i: usize| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+        let quads =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        TriangleMesh {
+            positions: (0..8).map(|i| 10.0 * corner(i) - Vec3::repeat(5.0)).collect(),
+            triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        }
+    }
+
+    fn ascii(corners: &[[Vec3; 3]], name: &str) -> String {
+        let mut text = format!("solid{name}\n");
+        for triangle in corners {
+            text += "facet normal 0 0 0\nouter loop\n";
+            for v in triangle {
+                text += &format!("vertex {} {} {}\n", v.x, v.y, v.z);
+            }
+            text += "endloop\nendfacet\n";
+        }
+        text + "endsolid\n"
+    }
+
+    fn all_corners(mesh: &TriangleMesh) -> Vec<[Vec3; 3]> {
+        (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect()
+    }
+
+    fn read_bytes(bytes: &[u8], weld: f64) -> Result<TriangleMesh, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.stl");
+        fs::write(&path, bytes).unwrap();
+        read(&path, weld).map_err(|error| error.what)
+    }
+
+    #[test]
+    fn a_cube_comes_back_with_eight_vertices() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cube.stl");
+        write(&path, &cube()).unwrap();
+        for weld in [0.0, WELD_TOLERANCE] {
+            let mesh = read(&path, weld).unwrap();
+            assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12));
+            assert_eq!(all_corners(&mesh), all_corners(&cube()));
+        }
+    }
+
+    #[test]
+    fn ascii_is_read_with_or_without_a_name_and_binary_may_begin_with_solid() {
+        let corners = all_corners(&cube());
+        for name in ["", " a part", " "] {
+            let mesh = read_bytes(ascii(&corners, name).as_bytes(), 0.0).unwrap();
+            assert_eq!(all_corners(&mesh), corners);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cube.stl");
+        write(&path, &cube()).unwrap();
+        let mut bytes = fs::read(&path).unwrap();
+        bytes[..12].copy_from_slice(b"solid a part");
+        assert_eq!(all_corners(&read_bytes(&bytes, 0.0).unwrap()), corners);
+    }
+
+    #[test]
+    fn corners_within_the_tolerance_are_joined_whatever_cell_they_fall_in() {
+        // Each triangle's corners are moved by 1e-6 of the diagonal (17 mm) in its own direction.
+        let moved: Vec<[Vec3; 3]> = all_corners(&cube())
+            .iter()
+            .enumerate()
+            .map(|(t, corners)| {
+                let angle = t as f64;
+                corners
+                    .map(|v| v + 1.7e-5 * Vec3::new(angle.cos(), angle.sin(), (2.0 * angle).sin()))
+            })
+            .collect();
+        let text = ascii(&moved, " moved");
+        assert!(read_bytes(text.as_bytes(), 0.0).unwrap().positions.len() > 8);
+        let mesh = read_bytes(text.as_bytes(), WELD_TOLERANCE).unwrap();
+        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12));
+    }
+
+    #[test]
+    fn degenerate_triangles_and_their_vertices_are_left_out() {
+        let mut corners = all_corners(&cube());
+        let far = Vec3::new(8.0, 8.0, 8.0);
+        corners.insert(0, [far, far, corners[0][0]]);
+        let mesh = read_bytes(ascii(&corners, "").as_bytes(), WELD_TOLERANCE).unwrap();
+        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12));
+        assert_eq!(all_corners(&mesh), all_corners(&cube()));
+
+        let nothing = read_bytes(ascii(&corners[..1], "").as_bytes(), WELD_TOLERANCE);
+        assert_eq!(nothing.unwrap_err(), "every triangle of the STL is degenerate");
+    }
+
+    #[test]
+    fn what_is_not_one_stl_solid_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("a.stl");
+        let error = read(&missing, 0.0).unwrap_err().to_string();
+        assert_eq!(error, format!("{}: no such file or folder", missing.display()));
+
+        let what = |bytes: &[u8]| read_bytes(bytes, 0.0).unwrap_err();
+        assert_eq!(what(b""), "not an STL: neither ASCII nor long enough for binary");
+        assert_eq!(what(ascii(&[], "").as_bytes()), "the STL holds no triangle");
+        assert_eq!(what(&[0; HEADER]), "the STL holds no triangle");
+        let long_text = "this is a letter, not a part. ".repeat(5);
+        assert!(what(long_text.as_bytes()).starts_with("not an STL: neither ASCII, nor binary"));
+        let cube = all_corners(&cube());
+        let two = ascii(&cube, " a") + &ascii(&cube, " b");
+        assert_eq!(what(two.as_bytes()), "the STL holds several solids; only one is read");
+        let cut = &two.as_bytes()[..200];
+        assert!(what(cut).starts_with("not an STL: "), "{}", what(cut));
+
+        let mut binary = vec![0; HEADER + TRIANGLE];
+        binary[80] = 1;
+        binary[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert_eq!(what(&binary), "triangle 1 has a coordinate that is not finite");
+        assert!(
+            what(&binary[..HEADER + 20]).contains("1 triangles would be 134 bytes, there are 104")
+        );
+    }
+}

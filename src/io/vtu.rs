@@ -1,0 +1,263 @@
+//! Triangle surfaces with values on them for ParaView: `.vtu` pictures and the `.pvd` list of a series.
+//!
+//! Data are appended raw, little-endian, each block behind its length as 64 bits:
+//! Source: VTK file formats, "XML file formats", unstructured grid, appended data.
+
+use std::path::Path;
+
+use super::{OutputError, atomic};
+use crate::math::Vec3;
+use crate::surface::TriangleMesh;
+
+/// A surface and named values on its vertices and triangles.
+#[derive(Clone, Debug)]
+pub struct Picture<'a> {
+    mesh: &'a TriangleMesh,
+    point_data: Vec<(String, Values<'a>)>,
+    cell_data: Vec<(String, Values<'a>)>,
+}
+
+/// One value for each vertex or triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Values<'a> {
+    /// A number each.
+    Scalars(&'a [f64]),
+    /// A vector each.
+    Vectors(&'a [Vec3]),
+}
+
+impl<'a> Picture<'a> {
+    /// The surface without values.
+    #[must_use]
+    pub fn new(mesh: &'a TriangleMesh) -> Self {
+        Self { mesh, point_data: Vec::new(), cell_data: Vec::new() }
+    }
+
+    /// The picture with `values`, one for each vertex, named `name` (with its unit).
+    ///
+    /// # Panics
+    /// When there are not as many values as vertices.
+    #[must_use]
+    pub fn with_point_data(mut self, name: &str, values: Values<'a>) -> Self {
+        assert_eq!(values.len(), self.mesh.positions.len(), "{name}: a value for each vertex");
+        self.point_data.push((name.to_owned(), values));
+        self
+    }
+
+    /// The picture with `values`, one for each triangle, named `name` (with its unit).
+    ///
+    /// # Panics
+    /// When there are not as many values as triangles.
+    #[must_use]
+    pub fn with_cell_data(mut self, name: &str, values: Values<'a>) -> Self {
+        assert_eq!(values.len(), self.mesh.triangles.len(), "{name}: a value for each triangle");
+        self.cell_data.push((name.to_owned(), values));
+        self
+    }
+
+    /// Writes the picture as the file `path` (`.vtu`), whole or not at all.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] when the file system refuses.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        atomic::write(path, &self.bytes())
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let TriangleMesh { positions, triangles } = self.mesh;
+        let corners = triangles.iter().flatten().map(|&v| i64::from(v));
+        let ends = (1..=triangles.len()).map(|t| 3 * t as i64);
+        let types = vec![VTK_TRIANGLE; triangles.len()];
+
+        let mut blocks = AppendedBlocks::default();
+        let mut xml = format!(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+             <UnstructuredGrid>\n\
+             <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+            positions.len(),
+            triangles.len()
+        );
+        xml += "<Points>\n";
+        xml += &blocks.values("position", Values::Vectors(positions));
+        xml += "</Points>\n<Cells>\n";
+        xml += &blocks.array("Int64", "connectivity", 1, corners.flat_map(i64::to_le_bytes));
+        xml += &blocks.array("Int64", "offsets", 1, ends.flat_map(i64::to_le_bytes));
+        xml += &blocks.array("UInt8", "types", 1, types.into_iter());
+        xml += "</Cells>\n";
+        for (tag, data) in [("PointData", &self.point_data), ("CellData", &self.cell_data)] {
+            xml += &format!("<{tag}>\n");
+            for (name, values) in data {
+                xml += &blocks.values(name, *values);
+            }
+            xml += &format!("</{tag}>\n");
+        }
+        xml += "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
+
+        let mut bytes = xml.into_bytes();
+        bytes.extend(blocks.bytes);
+        bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
+        bytes
+    }
+}
+
+impl Values<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Scalars(values) => values.len(),
+            Self::Vectors(values) => values.len(),
+        }
+    }
+}
+
+/// Writes the series `path` (`.pvd`): the time of each picture and its file, relative to the series' folder.
+///
+/// # Errors
+/// [`OutputError::Write`] when the file system refuses.
+pub fn write_series(path: &Path, pictures: &[(f64, String)]) -> Result<(), OutputError> {
+    let mut xml = "<?xml version=\"1.0\"?>\n\
+                   <VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
+                   <Collection>\n"
+        .to_owned();
+    for (time, file) in pictures {
+        let file = escaped(file);
+        xml += &format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
+    }
+    xml += "</Collection>\n</VTKFile>\n";
+    atomic::write(path, xml.as_bytes())
+}
+
+const VTK_TRIANGLE: u8 = 5;
+
+/// The binary tail of the file; each block is announced by an XML element with its offset.
+#[derive(Default)]
+struct AppendedBlocks {
+    bytes: Vec<u8>,
+}
+
+impl AppendedBlocks {
+    fn values(&mut self, name: &str, values: Values<'_>) -> String {
+        match values {
+            Values::Scalars(values) => {
+                self.array("Float64", name, 1, values.iter().flat_map(|x| x.to_le_bytes()))
+            }
+            Values::Vectors(values) => {
+                let numbers = values.iter().flat_map(|v| [v.x, v.y, v.z]);
+                self.array("Float64", name, 3, numbers.flat_map(f64::to_le_bytes))
+            }
+        }
+    }
+
+    fn array(
+        &mut self,
+        kind: &str,
+        name: &str,
+        components: usize,
+        data: impl Iterator<Item = u8>,
+    ) -> String {
+        let offset = self.bytes.len();
+        self.bytes.extend([0; 8]);
+        self.bytes.extend(data);
+        let length = (self.bytes.len() - offset - 8) as u64;
+        self.bytes[offset..offset + 8].copy_from_slice(&length.to_le_bytes());
+        format!(
+            "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{components}\" \
+             format=\"appended\" offset=\"{offset}\"/>\n",
+            escaped(name)
+        )
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The value of attribute `key` in an XML element.
+    fn attribute<'a>(element: &'a str, key: &str) -> &'a str {
+        let start = element.find(&format!("{key}=\"")).unwrap() + key.len() + 2;
+        element[start..].split('"').next().unwrap()
+    }
+
+    /// Name, components and numbers of every array, read as the format says.
+    fn arrays(file: &[u8]) -> Vec<(String, usize, Vec<f64>)> {
+        let marker = b"<AppendedData encoding=\"raw\">\n_";
+        let start = file.windows(marker.len()).position(|w| w == marker).unwrap() + marker.len();
+        let xml = std::str::from_utf8(&file[..start]).unwrap();
+        let mut end = 0;
+        let arrays = xml
+            .split("<DataArray")
+            .skip(1)
+            .map(|element| {
+                let offset: usize = attribute(element, "offset").parse().unwrap();
+                assert_eq!(offset, end, "blocks follow each other");
+                let at = start + offset;
+                let length = u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
+                end = offset + 8 + length;
+                let block = &file[at + 8..at + 8 + length];
+                let words = block.chunks(8).map(|word| word.try_into().unwrap_or_default());
+                let numbers = match attribute(element, "type") {
+                    "Float64" => words.map(f64::from_le_bytes).collect(),
+                    "Int64" => words.map(|word| i64::from_le_bytes(word) as f64).collect(),
+                    _ => block.iter().map(|&byte| f64::from(byte)).collect(),
+                };
+                let components = attribute(element, "NumberOfComponents").parse().unwrap();
+                (attribute(element, "Name").to_owned(), components, numbers)
+            })
+            .collect();
+        assert_eq!(&file[start + end..], b"\n</AppendedData>\n</VTKFile>\n");
+        arrays
+    }
+
+    #[test]
+    fn every_array_reads_back() {
+        let mesh = TriangleMesh {
+            positions: (0..4).map(|i| Vec3::new(f64::from(i), 0.1, -1.0 / 3.0)).collect(),
+            triangles: vec![[0, 1, 2], [2, 1, 3]],
+        };
+        let pressure = [0.5, -0.5];
+        let angle = [1.0, 2.0, 3.0, 4.0];
+        let picture = Picture::new(&mesh)
+            .with_point_data("displacement <mm>", Values::Vectors(&mesh.positions))
+            .with_point_data("angle", Values::Scalars(&angle))
+            .with_cell_data("pressure", Values::Scalars(&pressure));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vtu");
+        picture.write(&path).unwrap();
+        let file = std::fs::read(&path).unwrap();
+        let xyz: Vec<f64> = mesh.positions.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+        let named = |name: &str, components, numbers: &[f64]| {
+            (name.to_owned(), components, numbers.to_vec())
+        };
+        assert_eq!(
+            arrays(&file),
+            [
+                named("position", 3, &xyz),
+                named("connectivity", 1, &[0.0, 1.0, 2.0, 2.0, 1.0, 3.0]),
+                named("offsets", 1, &[3.0, 6.0]),
+                named("types", 1, &[5.0, 5.0]),
+                named("displacement &lt;mm&gt;", 3, &xyz),
+                named("angle", 1, &angle),
+                named("pressure", 1, &pressure),
+            ]
+        );
+    }
+
+    #[test]
+    fn a_series_lists_its_pictures() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bend.pvd");
+        let pictures = [(0.0, "bend-000.vtu".to_owned()), (0.05, "bend-001.vtu".to_owned())];
+        write_series(&path, &pictures).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let listed: Vec<_> = text
+            .split("<DataSet")
+            .skip(1)
+            .map(|e| (attribute(e, "timestep").parse().unwrap(), attribute(e, "file").to_owned()))
+            .collect();
+        assert_eq!(listed, pictures);
+    }
+}
