@@ -287,9 +287,10 @@ fn string_length(text: &str) -> usize {
 /// Where `word` stands in `text` as a word of its own.
 fn word_positions<'a>(text: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
     text.match_indices(word).map(|(at, _)| at).filter(move |&at| {
-        let ends_in_word = word.ends_with(is_word_letter);
-        !text[..at].ends_with(is_word_letter)
-            && !(ends_in_word && text[at + word.len()..].starts_with(is_word_letter))
+        let goes_on =
+            word.ends_with(is_word_letter) && text[at + word.len()..].starts_with(is_word_letter);
+        let is_inside = text[..at].ends_with(is_word_letter);
+        !is_inside && !goes_on
     })
 }
 
