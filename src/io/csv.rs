@@ -9,10 +9,10 @@ use super::{InputError, OutputError, atomic};
 
 /// Writes `rows` as the CSV file `path`, whole or not at all.
 ///
+/// No rows make an empty file: the column names come from the first row.
+///
 /// # Errors
 /// [`OutputError`] when a row is not flat or the file system refuses.
-///
-/// No rows make an empty file: the column names come from the first row.
 pub fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), OutputError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {

@@ -160,9 +160,13 @@ impl AppendedBlocks {
         self.bytes.extend(data);
         let length = (self.bytes.len() - offset - 8) as u64;
         self.bytes[offset..offset + 8].copy_from_slice(&length.to_le_bytes());
+        // Readers give a scalar that is announced with its one component a second axis.
+        let components = match components {
+            1 => String::new(),
+            n => format!(" NumberOfComponents=\"{n}\""),
+        };
         format!(
-            "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{components}\" \
-             format=\"appended\" offset=\"{offset}\"/>\n",
+            "<DataArray type=\"{kind}\" Name=\"{}\"{components} format=\"appended\" offset=\"{offset}\"/>\n",
             escaped(name)
         )
     }
@@ -177,9 +181,10 @@ mod tests {
     use super::*;
 
     /// The value of attribute `key` in an XML element.
-    fn attribute<'a>(element: &'a str, key: &str) -> &'a str {
-        let start = element.find(&format!("{key}=\"")).unwrap() + key.len() + 2;
-        element[start..].split('"').next().unwrap()
+    fn attribute<'a>(element: &'a str, key: &str) -> Option<&'a str> {
+        let element = element.split("/>").next()?;
+        let start = element.find(&format!("{key}=\""))? + key.len() + 2;
+        element[start..].split('"').next()
     }
 
     /// Name, components and numbers of every array, read as the format says.
@@ -192,20 +197,21 @@ mod tests {
             .split("<DataArray")
             .skip(1)
             .map(|element| {
-                let offset: usize = attribute(element, "offset").parse().unwrap();
+                let offset: usize = attribute(element, "offset").unwrap().parse().unwrap();
                 assert_eq!(offset, end, "blocks follow each other");
                 let at = start + offset;
                 let length = u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
                 end = offset + 8 + length;
                 let block = &file[at + 8..at + 8 + length];
                 let words = block.chunks(8).map(|word| word.try_into().unwrap_or_default());
-                let numbers = match attribute(element, "type") {
+                let numbers = match attribute(element, "type").unwrap() {
                     "Float64" => words.map(f64::from_le_bytes).collect(),
                     "Int64" => words.map(|word| i64::from_le_bytes(word) as f64).collect(),
                     _ => block.iter().map(|&byte| f64::from(byte)).collect(),
                 };
-                let components = attribute(element, "NumberOfComponents").parse().unwrap();
-                (attribute(element, "Name").to_owned(), components, numbers)
+                let components =
+                    attribute(element, "NumberOfComponents").map_or(1, |n| n.parse().unwrap());
+                (attribute(element, "Name").unwrap().to_owned(), components, numbers)
             })
             .collect();
         assert_eq!(&file[start + end..], b"\n</AppendedData>\n</VTKFile>\n");
@@ -256,7 +262,10 @@ mod tests {
         let listed: Vec<_> = text
             .split("<DataSet")
             .skip(1)
-            .map(|e| (attribute(e, "timestep").parse().unwrap(), attribute(e, "file").to_owned()))
+            .map(|element| {
+                let time = attribute(element, "timestep").unwrap().parse().unwrap();
+                (time, attribute(element, "file").unwrap().to_owned())
+            })
             .collect();
         assert_eq!(listed, pictures);
     }

@@ -1,1 +1,16 @@
-//! Room under construction.
+//! What a person sees of a run: figures and tables, made from plain numbers.
+//!
+//! Figures are SVG text, the same bytes for the same numbers; [`png`] renders one with a built-in font.
+//! Nothing here reads or writes a file.
+
+mod canvas;
+mod front;
+mod history;
+mod literature;
+mod table;
+
+pub use canvas::png;
+pub use front::{FrontPoint, front_svg};
+pub use history::{HistoryPoint, history_svg};
+pub use literature::{Published, Set, Technique, published};
+pub use table::front_table;

@@ -1,0 +1,247 @@
+//! The Pareto front, twice: in the two objectives, and on the axes on which the literature is compared.
+//!
+//! Left: bending against blocking objective, with everything evaluated behind the front.
+//! Right: Smith et al. (2022), Fig. 3, both axes logarithmic; a design whose force or angle is not
+//! positive has no place there and is left out. A front in the left panel need not be one in the right.
+
+use plotters::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::canvas::{
+    self, Area, Drawn, Frame, Mark, OTHERS, OURS, SMITH, Shape, linear_range, log_range,
+};
+use super::literature::{Published, Set, Technique, published};
+
+/// One design of the front as the figures and tables show it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrontPoint {
+    /// The design's name.
+    pub id: String,
+    /// Bending objective `F_c`, rad/(m J^(1/p)); larger is better.
+    pub bending: f64,
+    /// Blocking objective `F_bf`, force per pressure, N/kPa; larger is better.
+    pub blocking: f64,
+    /// Bending angle per pressure and length, deg/(kPa m).
+    pub figure_of_merit: f64,
+    /// Largest blocking force, N.
+    pub max_force: f64,
+}
+
+/// The figure of a `front`, over every evaluated pair of objectives (bending, blocking), as SVG.
+///
+/// # Panics
+/// Never: drawing into a string cannot fail.
+#[must_use]
+pub fn front_svg(front: &[FrontPoint], evaluated: &[[f64; 2]]) -> String {
+    canvas::svg((1240, 640), |area| {
+        let (panels, legend) = area.split_vertically(536);
+        let (left, right) = panels.split_horizontally(620);
+        draw_objectives(area, &left, front, evaluated)?;
+        draw_comparison(area, &right, front)?;
+        draw_legends(&legend)
+    })
+}
+
+const FRONT: Mark = Mark { shape: Shape::Disk, color: OURS, radius: 5 };
+const EVALUATED: Mark = Mark { shape: Shape::Disk, color: RGBColor(205, 210, 216), radius: 2 };
+/// The band around a mark that a label may not cover, pixels.
+const CLEARANCE: i32 = 5;
+
+fn draw_objectives(
+    whole: &Area<'_>,
+    panel: &Area<'_>,
+    front: &[FrontPoint],
+    evaluated: &[[f64; 2]],
+) -> Drawn {
+    let is_finite = |[x, y]: &[f64; 2]| x.is_finite() && y.is_finite();
+    let named: Vec<_> = front
+        .iter()
+        .map(|point| ([point.bending, point.blocking], point.id.as_str()))
+        .filter(|(at, _)| is_finite(at))
+        .collect();
+    let evaluated: Vec<_> = evaluated.iter().copied().filter(is_finite).collect();
+    let all = named.iter().map(|(at, _)| at).chain(&evaluated);
+
+    let x = linear_range(all.clone().map(|at| at[0]));
+    let y = linear_range(all.map(|at| at[1]));
+    let mut chart = canvas::panel(panel, "Objectives of this run")?.build_cartesian_2d(x, y)?;
+    canvas::draw_axes(&mut chart, "bending F_c, rad/(m·J^(1/p))", "blocking F_bf, N/kPa")?;
+    for at in &evaluated {
+        EVALUATED.draw(whole, chart.backend_coord(&(at[0], at[1])))?;
+    }
+    chart.draw_series(LineSeries::new(staircase(&named), OURS.mix(0.45).stroke_width(1)))?;
+    let marks: Vec<_> =
+        named.iter().map(|(at, id)| (chart.backend_coord(&(at[0], at[1])), *id)).collect();
+    draw_front(whole, frame_of(chart.plotting_area()), Vec::new(), marks)
+}
+
+fn draw_comparison(whole: &Area<'_>, panel: &Area<'_>, front: &[FrontPoint]) -> Drawn {
+    let has_place = |x: f64, y: f64| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite();
+    let named: Vec<_> =
+        front.iter().filter(|point| has_place(point.figure_of_merit, point.max_force)).collect();
+    let others = published();
+    let x = named.iter().map(|point| point.figure_of_merit);
+    let x = log_range(x.chain(others.iter().map(|point| point.figure_of_merit)));
+    let y = named.iter().map(|point| point.max_force);
+    let y = log_range(y.chain(others.iter().map(|point| point.max_force)));
+    let mut chart = canvas::panel(panel, "Against the literature (Smith et al. 2022, Fig. 3)")?
+        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+    canvas::draw_axes(&mut chart, "figure of merit, deg/(kPa·m)", "largest force, N")?;
+    let mut taken = Vec::new();
+    for point in &others {
+        let at = chart.backend_coord(&(point.figure_of_merit, point.max_force));
+        mark_of(point).draw(whole, at)?;
+        taken.push(Frame::around(at, CLEARANCE));
+    }
+    let marks = named
+        .iter()
+        .map(|point| {
+            (chart.backend_coord(&(point.figure_of_merit, point.max_force)), point.id.as_str())
+        })
+        .collect();
+    draw_front(whole, frame_of(chart.plotting_area()), taken, marks)
+}
+
+/// Draws the front's marks and as many of its names as there is room for, its ends first.
+fn draw_front(
+    whole: &Area<'_>,
+    frame: Frame,
+    mut taken: Vec<Frame>,
+    mut marks: Vec<((i32, i32), &str)>,
+) -> Drawn {
+    for (at, _) in &marks {
+        Mark { color: WHITE, radius: FRONT.radius + 1, ..FRONT }.draw(whole, *at)?;
+        FRONT.draw(whole, *at)?;
+        taken.push(Frame::around(*at, CLEARANCE));
+    }
+    marks.sort_unstable();
+    if marks.len() > 2 {
+        let last = marks.len() - 1;
+        marks.swap(1, last);
+    }
+    canvas::draw_labels(whole, frame, taken, &marks)
+}
+
+/// The border of what the points dominate, both objectives maximised.
+fn staircase(points: &[([f64; 2], &str)]) -> Vec<(f64, f64)> {
+    let mut descending: Vec<_> = points.iter().map(|(at, _)| *at).collect();
+    descending.sort_by(|a, b| b[0].total_cmp(&a[0]).then(b[1].total_cmp(&a[1])));
+    let mut path: Vec<(f64, f64)> = Vec::new();
+    for [x, y] in descending {
+        match path.last() {
+            Some(&(_, highest)) if y <= highest => {}
+            Some(&(_, highest)) => path.extend([(x, highest), (x, y)]),
+            None => path.push((x, y)),
+        }
+    }
+    path
+}
+
+fn mark_of(point: &Published) -> Mark {
+    let (shape, color, radius) = match (point.set, point.technique) {
+        (Set::SmithShellFront, _) => (Shape::HollowSquare, SMITH, 4),
+        (Set::SmithSolidFront, _) => (Shape::Square, SMITH, 4),
+        (Set::SmithPrinted, _) => (Shape::Triangle, SMITH, 6),
+        (Set::Literature2020, _) => (Shape::Ring, OTHERS, 3),
+        (Set::Literature2022, Technique::FilamentPrinted) => (Shape::Diamond, OTHERS, 6),
+        (Set::Literature2022, Technique::ResinOrSiliconePrinted) => (Shape::Triangle, OTHERS, 5),
+        (Set::Literature2022, _) => (Shape::Disk, OTHERS, 4),
+    };
+    Mark { shape, color, radius }
+}
+
+fn draw_legends(area: &Area<'_>) -> Drawn {
+    let mark = |shape, color, radius| Mark { shape, color, radius };
+    let columns = [
+        vec![(FRONT, "front of this run"), (EVALUATED, "evaluated designs")],
+        vec![
+            (mark(Shape::HollowSquare, SMITH, 4), "Smith 2022, shell front"),
+            (mark(Shape::Square, SMITH, 4), "Smith 2022, front as solids"),
+            (mark(Shape::Triangle, SMITH, 6), "Smith 2022, printed"),
+        ],
+        vec![
+            (mark(Shape::Disk, OTHERS, 4), "literature, cast"),
+            (mark(Shape::Triangle, OTHERS, 5), "literature, printed resin or silicone"),
+            (mark(Shape::Diamond, OTHERS, 6), "literature, printed filament"),
+        ],
+        vec![(mark(Shape::Ring, OTHERS, 3), "literature, in Hainsworth 2020")],
+    ];
+    canvas::draw_legend(&area.margin(8, 0, 90, 0), &columns, 270)
+}
+
+fn frame_of<X: Ranged, Y: Ranged>(area: &DrawingArea<SVGBackend<'_>, Cartesian2d<X, Y>>) -> Frame {
+    let (x, y) = area.get_pixel_range();
+    Frame(x.start, y.start, x.end, y.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(i: u32, max_force: f64) -> FrontPoint {
+        let t = f64::from(i);
+        FrontPoint {
+            id: format!("design-{i}"),
+            bending: 0.1 * t,
+            blocking: 0.5 - 0.1 * t,
+            figure_of_merit: 3.0 * t,
+            max_force,
+        }
+    }
+
+    /// The centres of the front's marks, in the order drawn.
+    fn marks(svg: &str) -> Vec<(i32, i32)> {
+        let number = |line: &str, key: &str| {
+            let value = line.split(key).nth(1).unwrap().split('"').next().unwrap();
+            value.parse::<i32>().unwrap()
+        };
+        svg.lines()
+            .filter(|line| line.starts_with("<circle") && line.contains("fill=\"#C8202F\""))
+            .map(|line| (number(line, "cx=\""), number(line, "cy=\"")))
+            .collect()
+    }
+
+    #[test]
+    fn every_design_has_its_mark_and_name_in_both_panels() {
+        let front = [point(1, 9.0), point(2, 3.0), point(4, 1.0)];
+        let svg = front_svg(&front, &[[0.0, 0.0], [0.2, 0.1]]);
+        let marks = marks(&svg);
+        // Three in each panel and one in the legend.
+        assert_eq!(marks.len(), 7);
+        for point in &front {
+            assert_eq!(svg.matches(point.id.as_str()).count(), 2);
+        }
+        // Linear in the left panel, logarithmic in the right, each to a pixel of rounding; y points down.
+        let [a, b, c] = [marks[0], marks[1], marks[2]];
+        assert!(
+            (c.0 - b.0 - 2 * (b.0 - a.0)).abs() <= 2 && (c.1 - b.1 - 2 * (b.1 - a.1)).abs() <= 2
+        );
+        assert!(b.0 > a.0 && b.1 > a.1);
+        let [a, b, c] = [marks[3], marks[4], marks[5]];
+        assert!((c.0 - b.0 - (b.0 - a.0)).abs() <= 1 && (c.1 - b.1 - (b.1 - a.1)).abs() <= 1);
+        assert!(b.0 > a.0 && b.1 > a.1);
+    }
+
+    #[test]
+    fn the_same_numbers_make_the_same_bytes() {
+        let front = [point(1, 9.0), point(2, 3.0)];
+        assert_eq!(front_svg(&front, &[[0.1, 0.1]]), front_svg(&front, &[[0.1, 0.1]]));
+        assert_ne!(front_svg(&front, &[[0.1, 0.1]]), front_svg(&front[..1], &[[0.1, 0.1]]));
+    }
+
+    #[test]
+    fn what_has_no_place_on_an_axis_is_left_out() {
+        let svg =
+            front_svg(&[point(1, 0.0), point(2, f64::NAN), point(3, 1.0)], &[[f64::NAN, 0.0]]);
+        assert_eq!(marks(&svg).len(), 3 + 1 + 1);
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        assert_eq!(marks(&front_svg(&[], &[])).len(), 1);
+    }
+
+    #[test]
+    fn the_staircase_bounds_what_is_dominated() {
+        let at = |x: f64, y: f64| ([x, y], "");
+        let path = staircase(&[at(1.0, 3.0), at(2.0, 2.0), at(1.5, 1.0), at(3.0, 1.0)]);
+        assert_eq!(path, [(3.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0), (1.0, 3.0)]);
+    }
+}

@@ -1,0 +1,92 @@
+//! Published actuators on the axes of Smith et al. (2022), Fig. 3, digitised; the file names its sources.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::io;
+
+/// One mark of a published figure.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Published {
+    /// Which marks it belongs to.
+    pub set: Set,
+    /// First author and year.
+    pub work: String,
+    /// How the actuator was made.
+    #[serde(rename = "class")]
+    pub technique: Technique,
+    /// Bending angle per pressure and length, deg/(kPa m).
+    #[serde(rename = "figure_of_merit_deg_per_kPa_m")]
+    pub figure_of_merit: f64,
+    /// Largest force, N.
+    #[serde(rename = "max_force_N")]
+    pub max_force: f64,
+}
+
+/// The marks of the two published figures that belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Set {
+    /// Works of others, as plotted by Hainsworth et al. (2020).
+    #[serde(rename = "literature_2020")]
+    Literature2020,
+    /// Works of others, as plotted by Smith et al. (2022).
+    #[serde(rename = "literature_2022")]
+    Literature2022,
+    /// The front found by Smith et al. (2022) with shell elements.
+    #[serde(rename = "smith_2022_shell_front")]
+    SmithShellFront,
+    /// The same designs simulated again with tetrahedra.
+    #[serde(rename = "smith_2022_solid_front")]
+    SmithSolidFront,
+    /// The design that Smith et al. (2022) printed and measured.
+    #[serde(rename = "smith_2022_printed")]
+    SmithPrinted,
+}
+
+/// How a published actuator was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Technique {
+    /// Moulded.
+    Cast,
+    /// Printed from thermoplastic filament.
+    FilamentPrinted,
+    /// Printed from a resin or silicone.
+    ResinOrSiliconePrinted,
+    /// Made together with its sensor.
+    ActuatorWithSensor,
+    /// Simulated only.
+    Simulated,
+}
+
+/// Every published mark, in the order of the file `data/literature.csv`.
+///
+/// # Panics
+/// Never: the file is part of the program, and a test reads it.
+#[must_use]
+pub fn published() -> Vec<Published> {
+    let path = Path::new("data/literature.csv");
+    io::csv::parse(include_str!("../../data/literature.csv"), path).expect("a test reads this file")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_file_holds_the_published_figures() {
+        let all = published();
+        let count = |set| all.iter().filter(|point| point.set == set).count();
+        // Counts of the marks visible in the two figures.
+        assert_eq!(count(Set::SmithShellFront), 10);
+        assert_eq!(count(Set::SmithSolidFront), 5);
+        assert_eq!(count(Set::SmithPrinted), 1);
+        assert_eq!(count(Set::Literature2022), 24);
+        assert_eq!(count(Set::Literature2020), 13);
+        assert!(all.iter().all(|point| point.figure_of_merit > 0.0 && point.max_force > 0.0));
+        let strongest = all.iter().map(|point| point.max_force).fold(0.0, f64::max);
+        assert_eq!(strongest, 77.9);
+    }
+}
