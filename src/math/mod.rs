@@ -1,5 +1,6 @@
 //! The floor: words that any room may use.
 
+pub mod random;
 mod rejected;
 
 pub use rejected::{Rejected, Room};
