@@ -1,1 +1,150 @@
-//! Room under construction.
+//! Where does an evaluation run? Executors: a list of items and a function in, outcomes in the items' order out.
+//!
+//! The items of a batch are independent and differ much in cost. An executor hands them out one at a
+//! time, reports each as it ends, and turns a panic inside one into that item's outcome.
+//! It is not a cache, knows no time limits, and never repeats an item.
+
+mod serial;
+mod threads;
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+pub use serial::Serial;
+pub use threads::{Threads, ThreadsUnavailable};
+
+/// An evaluation that panicked: a defect of the program, confined to one item.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the evaluation panicked: {message}")]
+pub struct Panicked {
+    /// The panic's message.
+    pub message: String,
+}
+
+/// What became of one item.
+pub type Outcome<Output> = Result<Output, Panicked>;
+
+/// The observer asked for the batch to be given up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the batch was stopped by its observer")]
+pub struct Stopped;
+
+/// What an observer wants after an item has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Go on with the batch.
+    Continue,
+    /// Start no further item, and report none.
+    Stop,
+}
+
+/// Evaluates batches of items.
+///
+/// The type parameters belong to the trait so that an implementation that sends items elsewhere can
+/// ask more of them, such as serialisation.
+pub trait Executor<Item, Output> {
+    /// The outcomes of `evaluate` on each of `items [n]`, in their order `[n]`.
+    ///
+    /// `finished(index, outcome)` is called once for each item, on the calling thread, in the order in which
+    /// they end. The outcomes depend on neither that order nor the number of workers, if `evaluate` is a
+    /// function of its item alone.
+    ///
+    /// # Errors
+    /// [`Stopped`] when `finished` answered [`Next::Stop`].
+    fn evaluate(
+        &self,
+        items: &[Item],
+        evaluate: &(dyn Fn(&Item) -> Output + Sync),
+        finished: &mut dyn FnMut(usize, &Outcome<Output>) -> Next,
+    ) -> Result<Vec<Outcome<Output>>, Stopped>;
+}
+
+/// The outcome of one item, with a panic caught.
+///
+/// Unwinding is safe here: the function is shared and immutable, and its partial result is dropped.
+fn guarded<Item, Output>(
+    item: &Item,
+    evaluate: &(dyn Fn(&Item) -> Output + Sync),
+) -> Outcome<Output> {
+    catch_unwind(AssertUnwindSafe(|| evaluate(item)))
+        .map_err(|payload| Panicked { message: panic_message(payload.as_ref()) })
+}
+
+/// The text of a panic; `panic!` carries a `&str` or a `String`, and other payloads are rare.
+fn panic_message(payload: &(dyn Any + Send)) -> String {
+    if let Some(text) = payload.downcast_ref::<&str>() {
+        (*text).to_owned()
+    } else if let Some(text) = payload.downcast_ref::<String>() {
+        text.clone()
+    } else {
+        "no message".to_owned()
+    }
+}
+
+/// The contract of [`Executor`], run for every implementation.
+#[cfg(test)]
+mod suite {
+    use super::*;
+
+    /// Checks order, values, one report for each item, panics and stopping.
+    pub(super) fn check(executor: &dyn Executor<u64, u64>) {
+        outcomes_are_in_the_order_of_items(executor);
+        each_item_is_reported_once_with_its_outcome(executor);
+        a_panic_is_the_outcome_of_its_item_alone(executor);
+        a_stop_ends_the_batch(executor);
+        assert_eq!(executor.evaluate(&[], &|i| *i, &mut |_, _| Next::Continue), Ok(vec![]));
+    }
+
+    /// Items differ in cost by a factor of some thousands, the dearest first.
+    fn collatz_steps(start: &u64) -> u64 {
+        (0..(40 - start) * 50).map(|k| steps_to_one(start + k)).sum()
+    }
+
+    fn steps_to_one(mut n: u64) -> u64 {
+        let mut steps = 0;
+        while n > 1 {
+            n = if n.is_multiple_of(2) { n / 2 } else { 3 * n + 1 };
+            steps += 1;
+        }
+        steps
+    }
+
+    fn outcomes_are_in_the_order_of_items(executor: &dyn Executor<u64, u64>) {
+        let items: Vec<u64> = (0..40).collect();
+        let outcomes = executor.evaluate(&items, &collatz_steps, &mut |_, _| Next::Continue);
+        let expected = items.iter().map(|item| Ok(collatz_steps(item))).collect();
+        assert_eq!(outcomes, Ok(expected));
+    }
+
+    fn each_item_is_reported_once_with_its_outcome(executor: &dyn Executor<u64, u64>) {
+        let items: Vec<u64> = (0..40).collect();
+        let mut reports = vec![];
+        let outcomes = executor
+            .evaluate(&items, &collatz_steps, &mut |index, outcome| {
+                reports.push((index, outcome.clone()));
+                Next::Continue
+            })
+            .expect("never stopped");
+        reports.sort_by_key(|(index, _)| *index);
+        assert_eq!(reports, outcomes.into_iter().enumerate().collect::<Vec<_>>());
+    }
+
+    fn a_panic_is_the_outcome_of_its_item_alone(executor: &dyn Executor<u64, u64>) {
+        let evaluate = |item: &u64| {
+            assert!(!item.is_multiple_of(3), "item {item}");
+            *item
+        };
+        let outcomes = executor.evaluate(&[0, 1, 2, 3, 4], &evaluate, &mut |_, _| Next::Continue);
+        let panicked = |message: &str| Err(Panicked { message: message.to_owned() });
+        assert_eq!(outcomes, Ok(vec![panicked("item 0"), Ok(1), Ok(2), panicked("item 3"), Ok(4)]));
+    }
+
+    fn a_stop_ends_the_batch(executor: &dyn Executor<u64, u64>) {
+        let mut reports = 0;
+        let outcomes = executor.evaluate(&[1; 100], &|item| *item, &mut |_, _| {
+            reports += 1;
+            if reports == 3 { Next::Stop } else { Next::Continue }
+        });
+        assert_eq!((outcomes, reports), (Err(Stopped), 3));
+    }
+}

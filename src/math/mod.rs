@@ -1,6 +1,7 @@
 //! The floor: words that any room may use.
 
 mod cpu_time;
+pub mod random;
 mod rejected;
 
 pub use cpu_time::cpu_seconds;
