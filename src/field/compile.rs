@@ -95,6 +95,7 @@ impl CompiledNetwork {
         slots[self.slot_count() - 1]
     }
 
+    #[inline]
     fn run<Q: Quantity>(&self, from: usize, to: usize, slots: &mut [Q]) {
         for (i, step) in self.instructions[from..to].iter().enumerate() {
             let links = &self.links[step.first_link..step.link_end];

@@ -16,21 +16,27 @@ pub(super) trait Quantity: Copy {
 }
 
 impl Quantity for f64 {
+    #[inline]
     fn constant(value: f64) -> Self {
         value
     }
+    #[inline]
     fn plus(self, other: Self) -> Self {
         self + other
     }
+    #[inline]
     fn times(self, other: Self) -> Self {
         self * other
     }
+    #[inline]
     fn scaled(self, weight: f64) -> Self {
         self * weight
     }
+    #[inline]
     fn shifted(self, bias: f64) -> Self {
         self + bias
     }
+    #[inline]
     fn activated(self, activation: Activation) -> Self {
         activation.value(self)
     }
@@ -41,21 +47,27 @@ pub(super) type Lanes = [f64; LANES];
 pub(super) const LANES: usize = 16;
 
 impl Quantity for Lanes {
+    #[inline]
     fn constant(value: f64) -> Self {
         [value; LANES]
     }
+    #[inline]
     fn plus(self, other: Self) -> Self {
         std::array::from_fn(|i| self[i] + other[i])
     }
+    #[inline]
     fn times(self, other: Self) -> Self {
         std::array::from_fn(|i| self[i] * other[i])
     }
+    #[inline]
     fn scaled(self, weight: f64) -> Self {
         self.map(|value| value * weight)
     }
+    #[inline]
     fn shifted(self, bias: f64) -> Self {
         self.map(|value| value + bias)
     }
+    #[inline]
     fn activated(self, activation: Activation) -> Self {
         match activation {
             Activation::Identity => self,
@@ -76,15 +88,18 @@ pub(super) struct Jet<const H: usize> {
 pub(super) const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
 
 impl<const H: usize> Jet<H> {
+    #[inline]
     pub(super) fn new(value: f64, first: [f64; 3], second: [f64; 6]) -> Self {
         Self { value, first, second: std::array::from_fn(|k| second[k]) }
     }
 }
 
 impl<const H: usize> Quantity for Jet<H> {
+    #[inline]
     fn constant(value: f64) -> Self {
         Self { value, first: [0.0; 3], second: [0.0; H] }
     }
+    #[inline]
     fn plus(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
@@ -92,6 +107,7 @@ impl<const H: usize> Quantity for Jet<H> {
             second: std::array::from_fn(|k| self.second[k] + other.second[k]),
         }
     }
+    #[inline]
     fn times(self, other: Self) -> Self {
         let (a, b) = (&self, &other);
         Self {
@@ -104,6 +120,7 @@ impl<const H: usize> Quantity for Jet<H> {
             }),
         }
     }
+    #[inline]
     fn scaled(self, weight: f64) -> Self {
         Self {
             value: self.value * weight,
@@ -111,9 +128,11 @@ impl<const H: usize> Quantity for Jet<H> {
             second: self.second.map(|d| d * weight),
         }
     }
+    #[inline]
     fn shifted(self, bias: f64) -> Self {
         Self { value: self.value + bias, ..self }
     }
+    #[inline]
     fn activated(self, activation: Activation) -> Self {
         if activation == Activation::Identity {
             return self;

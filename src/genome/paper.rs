@@ -11,7 +11,9 @@
 //!
 //! # Decisions
 //! The paper states neither which nodes carry a bias nor any bound. Here every node carries one, and
-//! [`GENES`] holds bounds that give a share of sound chambers (measured below) without fixing a shape.
+//! [`GENES`] holds bounds of which most random genomes are one closed chamber along the whole box, and varied.
+//! Measured on 400 of them in the default box: 79 % sound (a fifth of these touch the box's sides),
+//! 8 to 32 mm wide (5 to 95 %), with 0 to 10 pleats and lobes that make them oval or lopsided.
 
 use std::collections::BTreeMap;
 
@@ -40,28 +42,28 @@ pub struct Gene {
 ///
 /// w6 is a whole number: only whole multiples of theta are single-valued around the axis.
 pub const GENES: [Gene; 22] = [
-    gene("w1", "scale of x inside its square, 1/cm", 0.6, 1.4),
-    gene("w2", "scale of y inside its square, 1/cm", 0.6, 1.4),
+    gene("w1", "scale of x inside its square, 1/cm", 0.7, 1.6),
+    gene("w2", "scale of y inside its square, 1/cm", 0.7, 1.6),
     gene("w3", "wave number of the rhythm, rad/cm", 0.0, 3.0),
     gene("w4", "wave number of the pleats, rad/cm", 0.0, 6.0),
-    gene("w5", "depth of the phase modulation, rad", -1.5, 1.5),
+    gene("w5", "depth of the phase modulation, rad", -2.0, 2.0),
     Gene { step: Some(1.0), ..gene("w6", "lobes around the axis", 0.0, 4.0) },
     gene("w7", "height of the pleats", -1.0, 1.0),
     gene("w8", "height of the lobes", -1.0, 1.0),
-    gene("w9", "share of x", 0.4, 1.6),
-    gene("w10", "share of y", 0.4, 1.6),
-    gene("w11", "share of pleats and lobes", 0.2, 1.4),
+    gene("w9", "share of x", 0.5, 1.5),
+    gene("w10", "share of y", 0.5, 1.5),
+    gene("w11", "share of pleats and lobes", 0.5, 1.5),
     gene("bx", "shift along x, cm", -0.5, 0.5),
     gene("by", "shift along y, cm", -0.5, 0.5),
     gene("bz", "shift along z, cm", -3.15, 3.15),
     gene("bt", "turn of the lobes, rad", -3.15, 3.15),
-    gene("b1", "bias of the squared x", -0.25, 0.25),
-    gene("b2", "bias of the squared y", -0.25, 0.25),
+    gene("b1", "bias of the squared x", -0.2, 0.2),
+    gene("b2", "bias of the squared y", -0.2, 0.2),
     gene("bA", "bias of the rhythm", -1.0, 1.0),
-    gene("bB", "bias of the pleats", -0.5, 0.5),
-    gene("bC", "bias of the lobes", -0.5, 0.5),
-    gene("bI", "bias of pleats and lobes together", -0.5, 0.5),
-    gene("bO", "bias of the field: more negative is wider", -1.6, -0.4),
+    gene("bB", "bias of the pleats", -0.3, 0.3),
+    gene("bC", "bias of the lobes", -0.3, 0.3),
+    gene("bI", "bias of pleats and lobes together", -0.3, 0.3),
+    gene("bO", "bias of the field: more negative is wider", -1.5, -0.2),
 ];
 
 /// A design as inherited: one number per entry of [`GENES`], all finite.
