@@ -165,6 +165,7 @@ impl Factor {
             // SAFETY: the session's lock is held and the handles live.
             unsafe {
                 check(sys::MatMumpsSetIcntl(self.factor, WORKSPACE_RELAXATION, relaxation))?;
+                check(sys::MatFactorClearError(self.factor))?;
                 check(sys::MatCholeskyFactorNumeric(self.factor, self.matrix, &self.settings))?;
                 check(sys::MatFactorGetError(self.factor, &mut error))?;
             }
@@ -192,9 +193,7 @@ impl Factor {
     fn inertia(&self) -> Result<Inertia, SolverFailure> {
         let (mut negative, mut zero, mut positive) = (0, 0, 0);
         // SAFETY: the factor is numeric and belongs to MUMPS, which counts its pivots.
-        check(unsafe {
-            sys::MatGetInertia(self.factor, &mut negative, &mut zero, &mut positive)
-        })?;
+        check(unsafe { sys::MatGetInertia(self.factor, &mut negative, &mut zero, &mut positive) })?;
         Ok(Inertia { negative: count(negative), zero: count(zero) })
     }
 }
@@ -223,10 +222,13 @@ pub(super) trait Newton {
     /// Is a residual of this norm small enough?
     fn converged(&mut self, residual_norm: f64) -> bool;
 
-    /// Makes the tangent at `x [n]`; `false` where it is not defined.
-    fn tangent(&mut self, x: &[f64]) -> bool;
+    /// Makes the tangent at `x [n]`, if it is defined there.
+    ///
+    /// Where it is not, the correction cannot be done. (SNES has a mark for that case, but 3.18 never takes
+    /// it off again: the next solve would end with it.)
+    fn tangent(&mut self, x: &[f64]);
 
-    /// Solves with the last tangent; `b [n]` is overwritten by the solution. `false` when it is singular.
+    /// Solves with the last tangent; `b [n]` is overwritten by the solution. `false` when it cannot be done.
     fn correction(&mut self, b: &mut [f64]) -> Result<bool, SolverFailure>;
 
     /// Moves `x [n]` and `residual [n]` along minus the `correction [n]`; `false` when no step is accepted.
@@ -247,11 +249,7 @@ unsafe impl Send for Driver {}
 
 impl Driver {
     /// A driver for `order` unknowns; SNES sees the tangent as the matrix of `factor`.
-    pub(super) fn new(
-        _: &Session,
-        factor: &Factor,
-        order: usize,
-    ) -> Result<Self, SolverFailure> {
+    pub(super) fn new(_: &Session, factor: &Factor, order: usize) -> Result<Self, SolverFailure> {
         let order = petsc_int(order)?;
         let mut made = Self {
             snes: ptr::null_mut(),
@@ -266,8 +264,6 @@ impl Driver {
             check(sys::VecCreateSeq(this, order, &mut made.residual))?;
             check(sys::SNESCreate(this, &mut made.snes))?;
             check(sys::SNESSetType(made.snes, sys::SNESNEWTONLS.as_ptr()))?;
-            // Optimised builds ignore an undefined tangent otherwise.
-            check(sys::SNESSetCheckJacobianDomainError(made.snes, sys::PETSC_TRUE))?;
             check(sys::KSPSetType(made.ksp()?, sys::KSPPREONLY.as_ptr()))?;
             check(sys::PCSetType(made.pc()?, sys::PCSHELL.as_ptr()))?;
             check(sys::PCShellSetApply(made.pc()?, Some(on_correction)))?;
@@ -332,9 +328,7 @@ impl Driver {
             sys::SNES_DIVERGED_LINE_SEARCH | sys::SNES_DIVERGED_LOCAL_MIN => {
                 Ok(NewtonEnding::LineSearchFailed)
             }
-            sys::SNES_DIVERGED_FUNCTION_DOMAIN | sys::SNES_DIVERGED_JACOBIAN_DOMAIN => {
-                Ok(NewtonEnding::Inadmissible)
-            }
+            sys::SNES_DIVERGED_FUNCTION_DOMAIN => Ok(NewtonEnding::Inadmissible),
             other => Err(failure(format!("SNES ended with the unexpected reason {other}"))),
         }
     }
@@ -399,7 +393,7 @@ unsafe extern "C" fn on_residual(
 }
 
 unsafe extern "C" fn on_tangent(
-    snes: sys::SNES,
+    _: sys::SNES,
     x: sys::Vec,
     _: sys::Mat,
     _: sys::Mat,
@@ -408,9 +402,7 @@ unsafe extern "C" fn on_tangent(
     // SAFETY: `context` is the running solve's.
     unsafe {
         guarded(context, |newton| {
-            if !newton.tangent(&ReadArray::of(x)?) {
-                check(sys::SNESSetJacobianDomainError(snes))?;
-            }
+            newton.tangent(&ReadArray::of(x)?);
             Ok(())
         })
     }
@@ -620,7 +612,8 @@ fn start() -> Result<(), SolverFailure> {
         let started = ours == sys::PETSC_TRUE;
         if !started {
             sys::PETSC_MPI_THREAD_REQUIRED = sys::petsc_sys_thread_serialized();
-            let words = ARGUMENTS.map(|word| word.map_or(ptr::null_mut(), |w| w.as_ptr().cast_mut()));
+            let words =
+                ARGUMENTS.map(|word| word.map_or(ptr::null_mut(), |w| w.as_ptr().cast_mut()));
             let mut length = 3;
             let mut words = Box::leak(Box::new(words)).as_mut_ptr();
             check(sys::PetscInitialize(&mut length, &mut words, ptr::null(), ptr::null()))?;
@@ -629,7 +622,8 @@ fn start() -> Result<(), SolverFailure> {
         sys::MPI_Query_thread(&mut threads);
         if threads < sys::petsc_sys_thread_serialized() {
             return Err(failure(
-                "MPI was initialised below MPI_THREAD_SERIALIZED, which PETSc solvers need".to_owned(),
+                "MPI was initialised below MPI_THREAD_SERIALIZED, which PETSc solvers need"
+                    .to_owned(),
             ));
         }
         // More would compete with the candidates evaluated side by side. OpenBLAS reads its environment when
@@ -714,9 +708,7 @@ fn in_session(body: impl FnOnce()) {
 }
 
 fn petsc_int(number: usize) -> Result<sys::PetscInt, SolverFailure> {
-    number
-        .try_into()
-        .map_err(|_| failure(format!("{number} is more than PETSc's integers hold")))
+    number.try_into().map_err(|_| failure(format!("{number} is more than PETSc's integers hold")))
 }
 
 fn count(number: sys::PetscInt) -> usize {
@@ -735,3 +727,77 @@ const DETECT_NULL_PIVOTS: sys::PetscInt = 24;
 const WORKSPACE_RELAXATION: sys::PetscInt = 14;
 /// MUMPS' default, then more.
 const WORKSPACE_RELAXATIONS: [sys::PetscInt; 4] = [20, 50, 100, 400];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The matrix `diag(values)`.
+    fn diagonal(session: &Session, values: &[f64]) -> (Factor, Option<Inertia>) {
+        let starts: Vec<usize> = (0..=values.len()).collect();
+        let mut factor = Factor::new(session, &starts, &starts[..values.len()]).unwrap();
+        let inertia = factor.factorize(session, |entries| entries.copy_from_slice(values));
+        (factor, inertia.unwrap())
+    }
+
+    #[test]
+    fn signs_of_a_diagonal_are_counted() {
+        let session = Session::open().unwrap();
+        let (_factor, inertia) = diagonal(&session, &[3.0, -1.0, 0.0, 2.0, -5.0, 0.0]);
+        assert_eq!(inertia, Some(Inertia { negative: 2, zero: 2 }));
+        let (_factor, inertia) = diagonal(&session, &[0.0]);
+        assert_eq!(inertia, Some(Inertia { negative: 0, zero: 1 }));
+    }
+
+    #[test]
+    fn new_values_need_no_new_analysis() {
+        // Other threads wait for the session, so PETSc's own counts are of this test only.
+        let session = Session::open().unwrap();
+        let events = |name: &CStr| {
+            let mut event = 0;
+            // SAFETY: the session's lock is held; a performance record is plain numbers.
+            unsafe {
+                let mut record: sys::PetscEventPerfInfo = std::mem::zeroed();
+                check(sys::PetscLogEventGetId(name.as_ptr(), &mut event)).unwrap();
+                check(sys::PetscLogEventGetPerfInfo(0, event, &mut record)).unwrap();
+                record.count
+            }
+        };
+        // SAFETY: the session's lock is held.
+        check(unsafe { sys::PetscLogDefaultBegin() }).unwrap();
+        let (mut factor, _) = diagonal(&session, &[1.0, 2.0]);
+        let [analyses, factorizations] = [c"MatCholFctrSym", c"MatCholFctrNum"].map(events);
+        assert!(analyses > 0);
+        for value in [3.0, 4.0, 5.0] {
+            factor.factorize(&session, |entries| entries.fill(value)).unwrap();
+            let mut b = [value, 2.0 * value];
+            factor.solve(&session, &mut b).unwrap();
+            // Two roundings: MUMPS scales.
+            assert!((b[0] - 1.0).abs() < 1e-15 && (b[1] - 2.0).abs() < 1e-15, "{b:?}");
+        }
+        assert_eq!(events(c"MatCholFctrSym"), analyses);
+        assert_eq!(events(c"MatCholFctrNum"), factorizations + 3);
+    }
+
+    #[test]
+    fn failure_repeats_what_petsc_said() {
+        let session = Session::open().unwrap();
+        let factor = Factor::new(&session, &[0, 1], &[0]).unwrap();
+        // SAFETY: the session's lock is held and the handle lives; PETSc refuses a size that contradicts.
+        let refused = check(unsafe { sys::MatSetSizes(factor.matrix, 7, 7, 7, 7) });
+        let message = refused.unwrap_err().to_string();
+        assert!(message.starts_with("PETSc failed: error 56: Cannot change"), "{message}");
+        assert!(message.ends_with("(in MatSetSizes)"), "{message}");
+    }
+
+    #[test]
+    fn mpi_lets_threads_take_turns() {
+        let _session = Session::open().unwrap();
+        let mut level = 0;
+        // SAFETY: the session's lock is held, and MPI is running.
+        unsafe {
+            sys::MPI_Query_thread(&mut level);
+            assert!(level >= sys::petsc_sys_thread_serialized());
+        }
+    }
+}

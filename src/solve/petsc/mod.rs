@@ -81,7 +81,7 @@ impl EquilibriumSolver for Snes {
             direction: vec![0.0; order],
             trial: vec![0.0; order],
             trial_residual: vec![0.0; order],
-            stuck_inadmissible: false,
+            inadmissible: false,
             factorization: 0.0,
             iterations: 0,
             residual_norm: f64::INFINITY,
@@ -90,12 +90,8 @@ impl EquilibriumSolver for Snes {
         let ended = self.driver.solve(&session, &mut drive, x, settings.max_iterations);
         self.times.assembly += drive.system.seconds();
         self.times.factorization += drive.factorization;
-        let ending = match ended? {
-            NewtonEnding::LineSearchFailed if drive.stuck_inadmissible => {
-                NewtonEnding::Inadmissible
-            }
-            ending => ending,
-        };
+        let ended = ended?;
+        let ending = if drive.inadmissible { NewtonEnding::Inadmissible } else { ended };
         Ok(NewtonReport {
             ending,
             iterations: drive.iterations,
@@ -237,8 +233,8 @@ struct Drive<'a> {
     direction: Vec<f64>,
     trial: Vec<f64>,
     trial_residual: Vec<f64>,
-    /// The line search met no admissible state.
-    stuck_inadmissible: bool,
+    /// The solve cannot go on, because what it needs next is not defined.
+    inadmissible: bool,
     factorization: f64,
     iterations: usize,
     residual_norm: f64,
@@ -248,12 +244,10 @@ struct Drive<'a> {
 impl Newton for Drive<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> bool {
         match self.system.residual(x, residual) {
-            Ok(energy) if all_finite(residual) => {
-                self.energy = energy;
-                true
-            }
-            _ => false,
+            Ok(energy) if all_finite(residual) => self.energy = energy,
+            _ => self.inadmissible = true,
         }
+        !self.inadmissible
     }
 
     fn converged(&mut self, residual_norm: f64) -> bool {
@@ -261,20 +255,22 @@ impl Newton for Drive<'_> {
         residual_norm <= self.threshold
     }
 
-    fn tangent(&mut self, x: &[f64]) -> bool {
+    fn tangent(&mut self, x: &[f64]) {
         let made = self.system.tangent(x, &mut self.trial_residual, &mut self.tangent.entries);
-        let admissible = made.is_ok() && self.tangent.is_finite();
-        self.iterations += usize::from(admissible);
-        admissible
+        self.inadmissible = made.is_err() || !self.tangent.is_finite();
     }
 
     fn correction(&mut self, b: &mut [f64]) -> Result<bool, SolverFailure> {
+        if self.inadmissible {
+            return Ok(false);
+        }
         let start = cpu_seconds();
         let shift = self.tangent.factorize_stable(self.session, self.stable_negative_pivots)?;
         if shift.is_some() {
             self.tangent.factor.solve(self.session, b)?;
         }
         self.factorization += cpu_seconds() - start;
+        self.iterations += 1;
         self.shifted += usize::from(shift != Some(0.0));
         Ok(shift.is_some())
     }
@@ -294,7 +290,7 @@ impl Newton for Drive<'_> {
             &mut self.trial,
         );
         if step.is_none() {
-            self.stuck_inadmissible = self.system.met_only_inadmissible();
+            self.inadmissible = self.system.met_only_inadmissible();
             return false;
         }
         match self.system.residual(&self.trial, &mut self.trial_residual) {
@@ -302,16 +298,93 @@ impl Newton for Drive<'_> {
                 self.energy = energy;
                 x.copy_from_slice(&self.trial);
                 residual.copy_from_slice(&self.trial_residual);
-                true
             }
-            _ => {
-                self.stuck_inadmissible = true;
-                false
-            }
+            _ => self.inadmissible = true,
         }
+        !self.inadmissible
     }
 }
 
 fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|value| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::system::Inadmissible;
+    use crate::solve::test_systems::solver_suite;
+
+    solver_suite!(|pattern| Snes::new(pattern).unwrap());
+
+    /// A system that uses a PETSc solver to evaluate itself.
+    struct Nested(SparsityPattern);
+
+    impl System for Nested {
+        fn pattern(&self) -> &SparsityPattern {
+            &self.0
+        }
+
+        fn energy(&mut self, _: &[f64]) -> Result<f64, Inadmissible> {
+            Ok(Snes::new(&self.0).map_or(0.0, |solver| solver.times().assembly))
+        }
+
+        fn residual(&mut self, x: &[f64], _: &mut [f64]) -> Result<f64, Inadmissible> {
+            self.energy(x)
+        }
+
+        fn tangent(
+            &mut self,
+            x: &[f64],
+            _: &mut [f64],
+            _: &mut [f64],
+        ) -> Result<f64, Inadmissible> {
+            self.energy(x)
+        }
+
+        fn force_scale(&self) -> f64 {
+            1.0
+        }
+    }
+
+    fn one() -> SparsityPattern {
+        SparsityPattern { column_starts: vec![0, 1], row_indices: vec![0] }
+    }
+
+    #[test]
+    #[should_panic(expected = "called from within a PETSc solve")]
+    fn solver_inside_a_solve_panics_instead_of_waiting_for_itself() {
+        let mut nested = Nested(one());
+        let mut solver = Snes::new(nested.pattern()).unwrap();
+        let _ = solver.solve(&mut nested, &mut [0.0], &NewtonSettings::default());
+    }
+
+    #[test]
+    #[should_panic(expected = "without linearize")]
+    fn linearized_solve_wants_a_tangent() {
+        let _ = Snes::new(&one()).unwrap().solve_linearized(&mut [1.0]);
+    }
+
+    #[test]
+    #[should_panic(expected = "pattern")]
+    fn another_pattern_is_refused() {
+        let empty = SparsityPattern { column_starts: vec![0, 1, 2], row_indices: vec![0, 1] };
+        let mut solver = Snes::new(&empty).unwrap();
+        let _ = solver.solve(&mut Nested(one()), &mut [0.0], &NewtonSettings::default());
+    }
+
+    #[test]
+    fn solver_made_here_works_in_another_thread() {
+        let mut solver = Snes::new(&one()).unwrap();
+        let thread = std::thread::spawn(move || {
+            let inertia = {
+                let session = Session::open().unwrap();
+                solver.tangent.entries[0] = -4.0;
+                solver.tangent.factorize(&session, 0.0).unwrap()
+            };
+            assert_eq!(inertia, Some(Inertia { negative: 1, zero: 0 }));
+            solver
+        });
+        drop(thread.join().unwrap());
+    }
 }
