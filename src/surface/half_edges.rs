@@ -83,6 +83,14 @@ impl HalfEdges {
         self.spokes(v).count()
     }
 
+    /// The number of vertices that are neighbours of both ends of the edge of `h`; the apexes of its two
+    /// triangles always are.
+    #[must_use]
+    pub fn shared_neighbours(&self, h: u32) -> usize {
+        let (a, b) = (self.origin(h), self.destination(h));
+        self.ring(a).filter(|&v| self.ring(b).any(|w| w == v)).count()
+    }
+
     /// One half-edge of each edge, in ascending order.
     pub fn edges(&self) -> impl Iterator<Item = u32> + '_ {
         (0u32..).zip(&self.twins).filter(|&(h, &twin)| h < twin).map(|(h, _)| h)

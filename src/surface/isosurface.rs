@@ -66,14 +66,10 @@ const EDGES_PER_NODE: usize = 14;
 const CENTRE_EDGES: usize = 3;
 const DIAGONALS: usize = 6;
 
-/// The face between two centres, seen along the axis: for each side the bits `(b, c)` of its two corners
-/// (b, c: the next axes, cyclic), and which corner owns the side along which of the two axes.
-const SIDES: [([usize; 2], [usize; 2], [usize; 2], usize); 4] = [
-    ([0, 0], [1, 0], [0, 0], 1),
-    ([1, 0], [1, 1], [1, 0], 2),
-    ([1, 1], [0, 1], [0, 1], 1),
-    ([0, 1], [0, 0], [0, 0], 2),
-];
+/// The sides of the face between two centres: the bits of their corners along the two axes of the face,
+/// counter-clockwise seen along the third.
+const SIDES: [[[usize; 2]; 2]; 4] =
+    [[[0, 0], [1, 0]], [[1, 0], [1, 1]], [[1, 1], [0, 1]], [[0, 1], [0, 0]]];
 
 impl Lattice {
     /// Cubes are stretched by up to half a cube over the length of the box so that each face of the box
@@ -208,26 +204,26 @@ impl Lattice {
     }
 
     fn side_corners(&self, p: usize, axis: usize, side: usize) -> [usize; 2] {
-        let (c, d, _, _) = SIDES[side];
-        [c, d].map(|[b, c]| p + self.offset(face_bits(axis, 1, b, c)))
+        SIDES[side].map(|bits| p + self.offset(face_bits(axis, 1, bits)))
     }
 
     /// The edges 01, 02, 03, 12, 13, 23 of the tetrahedron (centre p, next centre along `axis`, side).
     fn tetrahedron_edges(&self, p: usize, axis: usize, side: usize) -> [usize; 6] {
         let q = p + self.strides[axis];
-        let (c, d, owner, along) = SIDES[side];
-        let diagonal = |centre: usize, near: usize, [b, c]: [usize; 2]| {
-            let [x, y, z] = face_bits(axis, near, b, c);
+        let [c, d] = SIDES[side];
+        let diagonal = |centre: usize, near: usize, corner: [usize; 2]| {
+            let [x, y, z] = face_bits(axis, near, corner);
             EDGES_PER_NODE * centre + DIAGONALS + x + 2 * y + 4 * z
         };
-        let owner = p + self.offset(face_bits(axis, 1, owner[0], owner[1]));
+        let lower_end = p + self.offset(face_bits(axis, 1, [c[0].min(d[0]), c[1].min(d[1])]));
+        let along = if c[0] == d[0] { axis + 2 } else { axis + 1 };
         [
             EDGES_PER_NODE * p + CENTRE_EDGES + axis,
             diagonal(p, 1, c),
             diagonal(p, 1, d),
             diagonal(q, 0, c),
             diagonal(q, 0, d),
-            EDGES_PER_NODE * owner + (axis + along) % 3,
+            EDGES_PER_NODE * lower_end + along % 3,
         ]
     }
 }
@@ -238,13 +234,12 @@ enum Position {
     Centre(usize),
 }
 
-/// The bits along x, y, z of a corner with bit `a` along `axis` and `b`, `c` along the next two.
-fn face_bits(axis: usize, a: usize, b: usize, c: usize) -> [usize; 3] {
-    let mut bits = [0; 3];
-    bits[axis] = a;
-    bits[(axis + 1) % 3] = b;
-    bits[(axis + 2) % 3] = c;
-    bits
+/// The bits along x, y, z of a corner with bit `near` along `axis` and `bits` along the next two axes.
+fn face_bits(axis: usize, near: usize, bits: [usize; 2]) -> [usize; 3] {
+    let mut xyz = [near; 3];
+    xyz[(axis + 1) % 3] = bits[0];
+    xyz[(axis + 2) % 3] = bits[1];
+    xyz
 }
 
 /// The triangles of one positively oriented tetrahedron; `edges` holds the vertices on 01 02 03 12 13 23.

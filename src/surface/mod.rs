@@ -12,6 +12,9 @@ mod chamber;
 mod half_edges;
 mod isosurface;
 mod mesh_defect;
+mod quality;
+mod remesh;
+mod self_intersection;
 #[cfg(test)]
 mod test_fields;
 mod triangle_mesh;
@@ -20,4 +23,7 @@ pub use chamber::Chamber;
 pub use half_edges::HalfEdges;
 pub use isosurface::isosurface;
 pub use mesh_defect::MeshDefect;
+pub use quality::{SurfaceQuality, radius_ratio};
+pub use remesh::{RemeshSettings, remesh};
+pub use self_intersection::intersecting_pairs;
 pub use triangle_mesh::TriangleMesh;

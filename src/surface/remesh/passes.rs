@@ -1,0 +1,334 @@
+//! The passes of remeshing: where to edit the triangulation, and where its vertices move.
+
+use crate::field::ScalarField;
+use crate::math::Vec3;
+use crate::surface::TriangleMesh;
+use crate::surface::half_edges::{HalfEdges, NONE, next};
+use crate::surface::quality::radius_ratio;
+
+use super::{LEAST_RADIUS_RATIO, VALENCES};
+
+/// A surface under remeshing; what edits have removed stays in the arrays, marked, until the end.
+pub(super) struct Workpiece<'a> {
+    surface: HalfEdges,
+    positions: Vec<Vec3>,
+    field: Option<&'a dyn ScalarField>,
+    edge: f64,
+}
+
+impl<'a> Workpiece<'a> {
+    pub(super) fn new(
+        surface: HalfEdges,
+        positions: &[Vec3],
+        field: Option<&'a dyn ScalarField>,
+        edge: f64,
+    ) -> Self {
+        Self { surface, positions: positions.to_vec(), field, edge }
+    }
+
+    /// Halves edges that are too long, until none is left or they have been halved eight times.
+    pub(super) fn split_long(&mut self) {
+        for _ in 0..8 {
+            let before = self.positions.len();
+            for h in 0..self.surface.origins.len() as u32 {
+                if self.is_edge(h) && self.length(h) > TOO_LONG * self.edge {
+                    self.split(h);
+                }
+            }
+            if self.positions.len() == before {
+                break;
+            }
+        }
+    }
+
+    /// Shrinks edges that are too short to one of their ends, where that leaves no edge too long.
+    pub(super) fn collapse_short(&mut self) {
+        loop {
+            let mut collapsed = false;
+            for h in 0..self.surface.origins.len() as u32 {
+                if self.is_edge(h) && self.length(h) < TOO_SHORT * self.edge {
+                    collapsed |= self.collapse(h, TOO_LONG * self.edge);
+                }
+            }
+            if !collapsed {
+                break;
+            }
+        }
+    }
+
+    /// Flips edges where that brings the valences of the four vertices nearer to 6.
+    pub(super) fn equalise_valence(&mut self) {
+        for _ in 0..4 {
+            let mut flipped = false;
+            for h in 0..self.surface.origins.len() as u32 {
+                if self.is_edge(h) && self.flip_gain(h) > 0 && self.may_flip(h) {
+                    self.surface.flip(h);
+                    flipped = true;
+                }
+            }
+            if !flipped {
+                break;
+            }
+        }
+    }
+
+    /// Moves each vertex along the surface to the middle of its neighbours, and onto the zero level.
+    pub(super) fn relax(&mut self) {
+        for v in 0..self.positions.len() as u32 {
+            if self.surface.outgoing[v as usize] == NONE {
+                continue;
+            }
+            let old = self.positions[v as usize];
+            let (sum, count) =
+                self.surface.ring(v).fold((Vec3::zeros(), 0.0), |(sum, count), w| {
+                    (sum + self.positions[w as usize], count + 1.0)
+                });
+            let move_to_middle = sum / count - old;
+            let Some(normal) = self.normal(v).try_normalize(0.0) else { continue };
+            let along = move_to_middle - normal * normal.dot(&move_to_middle);
+            let worst = self.worst_at(v, old).min(GOOD_RADIUS_RATIO);
+            for share in [1.0, 0.5, 0.25, 0.0] {
+                let moved = self.projected(old + share * along);
+                if self.keeps_sides(v, moved) && (share == 0.0 || self.worst_at(v, moved) >= worst)
+                {
+                    self.positions[v as usize] = moved;
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Edits the surroundings of vertices and triangles beyond the limits; whether there was any.
+    pub(super) fn repair(&mut self) -> bool {
+        let mut found = false;
+        for v in 0..self.positions.len() as u32 {
+            if self.surface.outgoing[v as usize] == NONE {
+                continue;
+            }
+            let valence = self.surface.valence(v);
+            if VALENCES.contains(&valence) {
+                continue;
+            }
+            found = true;
+            let spokes: Vec<u32> = self.surface.spokes(v).collect();
+            if valence < *VALENCES.start() {
+                let longest = LONGEST_REPAIR * self.edge;
+                if !spokes.iter().any(|&h| self.collapse(h, longest)) {
+                    // At the tip of a spike no spoke can go; an edge from the middle opposite can come.
+                    self.split(next(spokes[0]));
+                }
+            } else if let Some(h) = spokes.into_iter().find(|&h| self.may_flip(h)) {
+                self.surface.flip(h);
+            }
+        }
+        for t in 0..self.surface.origins.len() as u32 / 3 {
+            if !self.surface.is_live(3 * t) || self.ratio(3 * t) >= LEAST_RADIUS_RATIO {
+                continue;
+            }
+            found = true;
+            let mut sides = [3 * t, 3 * t + 1, 3 * t + 2];
+            sides.sort_by(|&g, &h| self.length(g).total_cmp(&self.length(h)));
+            if self.may_flip(sides[2]) && self.flip_improves(sides[2]) {
+                self.surface.flip(sides[2]);
+            } else {
+                self.collapse(sides[0], LONGEST_REPAIR * self.edge);
+            }
+        }
+        found
+    }
+
+    /// The live triangles over the live vertices, both in their old order.
+    pub(super) fn into_mesh(self) -> TriangleMesh {
+        let mut numbers = vec![NONE; self.positions.len()];
+        let mut positions = Vec::new();
+        for (v, &position) in self.positions.iter().enumerate() {
+            if self.surface.outgoing[v] != NONE {
+                numbers[v] = positions.len() as u32;
+                positions.push(position);
+            }
+        }
+        let live = self.surface.origins.chunks_exact(3).filter(|t| t[0] != NONE);
+        let triangles = live.map(|t| [t[0], t[1], t[2]].map(|v| numbers[v as usize])).collect();
+        TriangleMesh { positions, triangles }
+    }
+
+    /// Whether `h` is live and stands for its edge.
+    fn is_edge(&self, h: u32) -> bool {
+        self.surface.is_live(h) && h < self.surface.twin(h)
+    }
+
+    fn length(&self, h: u32) -> f64 {
+        let (a, b) = (self.surface.origin(h), self.surface.destination(h));
+        (self.positions[b as usize] - self.positions[a as usize]).norm()
+    }
+
+    fn corners(&self, h: u32) -> [Vec3; 3] {
+        [self.surface.origin(h), self.surface.destination(h), self.surface.apex(h)]
+            .map(|v| self.positions[v as usize])
+    }
+
+    fn ratio(&self, h: u32) -> f64 {
+        radius_ratio(self.corners(h))
+    }
+
+    fn normal(&self, v: u32) -> Vec3 {
+        self.surface.spokes(v).map(|h| area_vector(self.corners(h))).sum()
+    }
+
+    fn split(&mut self, h: u32) {
+        let [a, b, _] = self.corners(h);
+        self.surface.split(h);
+        self.positions.push((a + b) / 2.0);
+    }
+
+    /// Collapses the edge of `h` to either end, if allowed; whether it did.
+    fn collapse(&mut self, h: u32, longest: f64) -> bool {
+        if !self.surface.can_collapse(h) {
+            return false;
+        }
+        let ends = [h, self.surface.twin(h)];
+        let allowed = ends.into_iter().find(|&h| self.collapse_keeps_shape(h, longest));
+        if let Some(h) = allowed {
+            self.surface.collapse(h);
+        }
+        allowed.is_some()
+    }
+
+    /// Whether moving the origin of `h` to its destination turns over or flattens no triangle, and makes
+    /// no edge longer than `longest`.
+    fn collapse_keeps_shape(&self, h: u32, longest: f64) -> bool {
+        let (a, b) = (self.surface.origin(h), self.surface.destination(h));
+        let target = self.positions[b as usize];
+        if self.surface.valence(a) + self.surface.valence(b) - 4 > *VALENCES.end() {
+            return false;
+        }
+        self.surface.spokes(a).all(|s| {
+            let [_, x, y] = self.corners(s);
+            let dies = self.surface.destination(s) == b || self.surface.apex(s) == b;
+            let old = self.corners(s);
+            let new = [target, x, y];
+            (target - x).norm() <= longest
+                && (dies
+                    || same_side(old, new)
+                        && radius_ratio(new) > radius_ratio(old).min(FLAT_RADIUS_RATIO))
+        })
+    }
+
+    /// By how much a flip lowers the sum of the squared differences of the valences from 6.
+    fn flip_gain(&self, h: u32) -> i64 {
+        let twin = self.surface.twin(h);
+        let excess = |v: u32| self.surface.valence(v) as i64 - 6;
+        let [a, b] = [h, twin].map(|h| excess(self.surface.origin(h)));
+        let [c, d] = [h, twin].map(|h| excess(self.surface.apex(h)));
+        let squares = |excesses: [i64; 4]| excesses.iter().map(|e| e * e).sum::<i64>();
+        squares([a, b, c, d]) - squares([a - 1, b - 1, c + 1, d + 1])
+    }
+
+    /// Whether a flip keeps the manifold, and the two new triangles face as the old ones and have a shape.
+    fn may_flip(&self, h: u32) -> bool {
+        let (old, new) = (self.pair(h), self.flipped_pair(h));
+        let mean = old.map(area_vector).iter().sum::<Vec3>();
+        let faces_alike = |triangle: [Vec3; 3]| {
+            let vector = area_vector(triangle);
+            vector.dot(&mean) > LEAST_COSINE * vector.norm() * mean.norm()
+        };
+        let worst = |pair: [[Vec3; 3]; 2]| pair.map(radius_ratio).into_iter().fold(1.0, f64::min);
+        new.into_iter().all(faces_alike)
+            && worst(new) > worst(old).min(LEAST_RADIUS_RATIO)
+            && bend(new) < bend(old).max(FLATTEST_CREASE)
+            && self.surface.can_flip(h)
+    }
+
+    fn flip_improves(&self, h: u32) -> bool {
+        let worst = |pair: [[Vec3; 3]; 2]| pair.map(radius_ratio).into_iter().fold(1.0, f64::min);
+        worst(self.flipped_pair(h)) > worst(self.pair(h))
+    }
+
+    fn pair(&self, h: u32) -> [[Vec3; 3]; 2] {
+        [self.corners(h), self.corners(self.surface.twin(h))]
+    }
+
+    fn flipped_pair(&self, h: u32) -> [[Vec3; 3]; 2] {
+        let [[a, b, c], [_, _, d]] = self.pair(h);
+        [[d, c, a], [c, d, b]]
+    }
+
+    /// The smallest radius ratio around `v` if it were at `point`.
+    fn worst_at(&self, v: u32, point: Vec3) -> f64 {
+        self.around(v, point).map(|(_, new)| radius_ratio(new)).fold(1.0, f64::min)
+    }
+
+    /// Whether no triangle around `v` turns over when it moves to `point`.
+    fn keeps_sides(&self, v: u32, point: Vec3) -> bool {
+        self.around(v, point).all(|(old, new)| same_side(old, new))
+    }
+
+    /// The triangles around `v`, as they are and with `v` at `point`.
+    fn around(&self, v: u32, point: Vec3) -> impl Iterator<Item = ([Vec3; 3], [Vec3; 3])> + '_ {
+        self.surface.spokes(v).map(move |h| {
+            let [old, x, y] = self.corners(h);
+            ([old, x, y], [point, x, y])
+        })
+    }
+
+    /// `point` moved along the gradient onto the zero level by damped Newton steps; where the gradient
+    /// vanishes or no step lowers the value, as far as it came.
+    fn projected(&self, mut point: Vec3) -> Vec3 {
+        let Some(field) = self.field else { return point };
+        let (mut value, mut gradient) = field.value_and_gradient(point);
+        for _ in 0..MOST_NEWTON_STEPS {
+            let step = -value / gradient.norm_squared() * gradient;
+            let length = step.norm();
+            if !length.is_finite() || length < ON_LEVEL * self.edge {
+                break;
+            }
+            let mut share = (LONGEST_NEWTON_STEP * self.edge / length).min(1.0);
+            let mut lower = None;
+            for _ in 0..3 {
+                let trial = point + share * step;
+                let (f, g) = field.value_and_gradient(trial);
+                if f.abs() < value.abs() {
+                    lower = Some((trial, f, g));
+                    break;
+                }
+                share *= 0.5;
+            }
+            let Some(accepted) = lower else { break };
+            (point, value, gradient) = accepted;
+        }
+        point
+    }
+}
+
+fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(&(c - a)) / 2.0
+}
+
+/// Whether the normal of a triangle turns by less than about 70 degrees.
+fn same_side(old: [Vec3; 3], new: [Vec3; 3]) -> bool {
+    let (old, new) = (area_vector(old), area_vector(new));
+    new.dot(&old) > LEAST_COSINE * old.norm() * new.norm() || old.norm() == 0.0
+}
+
+/// 1 - cos of the angle between the normals.
+fn bend(pair: [[Vec3; 3]; 2]) -> f64 {
+    let [m, n] = pair.map(area_vector);
+    1.0 - m.dot(&n) / (m.norm() * n.norm())
+}
+
+/// Botsch and Kobbelt's limits, over the edge length wanted: halving or merging brings an edge nearer.
+const TOO_LONG: f64 = 4.0 / 3.0;
+const TOO_SHORT: f64 = 4.0 / 5.0;
+/// In a repair an edge may be as long as the final check allows, less some for the relaxation.
+const LONGEST_REPAIR: f64 = 1.7;
+/// Below it a triangle must not get worse by a collapse.
+const FLAT_RADIUS_RATIO: f64 = 0.1;
+/// Above it a triangle may get worse by a relaxation.
+const GOOD_RADIUS_RATIO: f64 = 0.6;
+const LEAST_COSINE: f64 = 0.35;
+/// A flip may make a crease of up to this 1 - cos.
+const FLATTEST_CREASE: f64 = 0.2;
+const MOST_NEWTON_STEPS: usize = 4;
+/// Over the edge length wanted.
+const LONGEST_NEWTON_STEP: f64 = 0.25;
+const ON_LEVEL: f64 = 1e-6;
