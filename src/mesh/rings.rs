@@ -63,22 +63,22 @@ impl Rings {
 /// The control points of one triangle: its corners and their rings.
 ///
 /// In order: the three corners; the ring of corner 0 beyond corners 1 and 2; then what the rings of
-/// corners 1 and 2 add.
+/// corners 1 and 2 add. Around a corner of valence 3, or on a very coarse mesh, a node may appear twice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stencil {
     /// Valences of the corners.
     pub valences: [usize; 3],
-    /// Control points, `valences.sum() - 6` of them.
+    /// Control points.
     pub nodes: Vec<u32>,
 }
 
 impl Stencil {
-    /// The stencil of `triangle`, whose corners have valence 4 or more.
+    /// The stencil of `triangle`.
     #[must_use]
     pub fn new(triangle: [u32; 3], rings: &Rings) -> Self {
         let valences = triangle.map(|v| rings.ring(v).len());
         let local = Self::local_rings(valences);
-        let mut nodes = vec![u32::MAX; valences.iter().sum::<usize>() - 6];
+        let mut nodes = vec![u32::MAX; Self::local_size(valences)];
         nodes[..3].copy_from_slice(&triangle);
         for i in 0..3 {
             let ring = rings.ring_from(triangle[i], triangle[(i + 1) % 3]);
@@ -95,6 +95,12 @@ impl Stencil {
         [self.nodes[0], self.nodes[1], self.nodes[2]]
     }
 
+    /// The number of control points of a triangle whose corners have these valences.
+    #[must_use]
+    pub fn local_size([n0, n1, n2]: [usize; 3]) -> usize {
+        n0 + n1 - 2 + n2.max(4) - 4
+    }
+
     /// The rings of the three corners as positions in a stencil; ring `i` begins with corners `i + 1`, `i + 2`.
     #[must_use]
     pub fn local_rings([n0, n1, n2]: [usize; 3]) -> [Vec<usize>; 3] {
@@ -102,10 +108,10 @@ impl Stencil {
         let a1 = 3;
         let a2 = n0;
         let a0 = n0 + n1 - 3;
-        let size = n0 + n1 + n2 - 6;
         let ring0 = [1, 2].into_iter().chain(a1..=a2).collect();
         let ring1 = [2, 0, a2].into_iter().chain(a2 + 1..=a0).collect();
-        let ring2 = [0, 1, a0].into_iter().chain(a0 + 1..size).chain([a1]).collect();
+        let closing = (n2 > 3).then_some(a1);
+        let ring2 = [0, 1, a0].into_iter().chain(a0 + 1..a0 + n2.max(4) - 3).chain(closing).collect();
         [ring0, ring1, ring2]
     }
 }
@@ -116,8 +122,10 @@ mod tests {
 
     #[test]
     fn local_rings_have_the_lengths_of_the_valences() {
-        for valences in [[6, 6, 6], [4, 5, 7], [4, 4, 4], [9, 8, 4]] {
+        for valences in [[6, 6, 6], [4, 5, 7], [4, 4, 4], [9, 8, 4], [3, 5, 6], [5, 3, 4], [6, 7, 3]] {
             let rings = Stencil::local_rings(valences);
+            let largest = rings.iter().flatten().max();
+            assert_eq!(largest, Some(&(Stencil::local_size(valences) - 1)));
             assert_eq!(rings.map(|ring| ring.len()), valences);
         }
     }

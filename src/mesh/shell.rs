@@ -50,18 +50,9 @@ impl ShellMesh {
     /// The shell of a closed manifold `surface`.
     ///
     /// # Errors
-    /// [`Rejected`] when a valence is below 4, or the clamp holds fewer than three vertices.
+    /// [`Rejected`] when the clamp holds fewer than three vertices.
     pub fn new(surface: TriangleMesh, settings: &ShellSettings) -> Result<Self, Rejected> {
         let rings = Rings::new(&surface.triangles, surface.positions.len());
-        let lowest_valence = (0..rings.len()).map(|v| rings.ring(v as u32).len()).min();
-        if lowest_valence.is_none_or(|valence| valence < 4) {
-            return Err(Rejected::new(
-                Room::Mesh,
-                "low_valence",
-                "a vertex has fewer than 4 neighbours; remesh the surface".to_owned(),
-                1.0,
-            ));
-        }
         let heights = || surface.positions.iter().map(|p| p.z);
         let base = heights().fold(f64::INFINITY, f64::min);
         let top = heights().fold(f64::NEG_INFINITY, f64::max);

@@ -9,13 +9,13 @@
 use super::assembly::{Assembler, Slots};
 use super::contact::{PlaneContact, PlaneSettings};
 use super::dirichlet::Dirichlet;
-use super::element::{LoopBasis, LoopShell, Sample, limit_weight, samples};
+use super::element::{LoopBasis, LoopShell, Sample, fitted_control_points, samples};
 use super::load::ChamberPressure;
 use super::local::Term;
 use super::material::Material;
 use super::system::{Inadmissible, LoadedSystem, SparsityPattern, System};
-use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{Rings, ShellMesh};
+use crate::math::{Rejected, Vec3};
+use crate::mesh::ShellMesh;
 
 /// The energy of a pressurised shell over the displacements of its control points.
 #[derive(Clone, Debug)]
@@ -38,7 +38,7 @@ pub struct ShellModel {
 /// What a model holds fixed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Support {
-    /// All control points of the mesh's clamp.
+    /// The mesh's clamp: its vertices and their tangent planes do not move, because their rings are held too.
     Clamp,
     /// Single unknowns, `3 node + axis`; for free bodies in tests.
     Unknowns(Vec<u32>),
@@ -55,8 +55,8 @@ impl ShellModel {
         support: &Support,
         planes: &[PlaneSettings],
     ) -> Result<Self, Rejected> {
-        let reference = interpolating_control_points(&mesh.surface.positions, &mesh.rings)?;
         let bases = LoopBasis::of_stencils(&mesh.stencils);
+        let reference = fitted_control_points(mesh, &bases)?;
         let wall = LoopShell::new(mesh, &bases, &reference, material.clone())?;
         let chamber = ChamberPressure::new(mesh, &bases);
         let planes: Vec<PlaneContact> =
@@ -64,7 +64,10 @@ impl ShellModel {
         // Every plane's stencil lies within an element's, so the wall alone makes the pattern.
         let assembler = Assembler::new(reference.len(), &[&wall]);
         let held = match support {
-            Support::Clamp => mesh.clamp.iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect(),
+            Support::Clamp => {
+                let near = |&v: &u32| mesh.rings.ring(v).iter().copied().chain([v]);
+                mesh.clamp.iter().flat_map(near).flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
+            }
             Support::Unknowns(unknowns) => unknowns.clone(),
         };
         let wall_slots = assembler.slots(&wall);
@@ -231,40 +234,4 @@ impl LoadedSystem for ShellModel {
         }
         self.dirichlet.apply_to_residual(direction);
     }
-}
-
-/// Control points whose limit surface passes through `vertices`: solves `L X = x` by damped iteration.
-///
-/// `L` takes a point to its limit; on closed meshes its spectrum lies in about [1/4, 1], so the damped
-/// iteration shrinks the error by 0.6 each time.
-fn interpolating_control_points(vertices: &[Vec3], rings: &Rings) -> Result<Vec<Vec3>, Rejected> {
-    const DAMPING: f64 = 1.6;
-    const ITERATIONS: usize = 400;
-    let scale = vertices.iter().map(|x| x.amax()).fold(0.0, f64::max);
-    let mut control = vertices.to_vec();
-    for _ in 0..ITERATIONS {
-        let mut largest: f64 = 0.0;
-        let misses: Vec<Vec3> = (0..vertices.len())
-            .map(|v| {
-                let ring = rings.ring(v as u32);
-                let weight = limit_weight(ring.len());
-                let sum: Vec3 = ring.iter().map(|&w| control[w as usize]).sum();
-                let limit = control[v] * (1.0 - ring.len() as f64 * weight) + weight * sum;
-                vertices[v] - limit
-            })
-            .collect();
-        for (control, miss) in control.iter_mut().zip(misses) {
-            largest = largest.max(miss.amax());
-            *control += DAMPING * miss;
-        }
-        if largest <= 1e-14 * scale {
-            return Ok(control);
-        }
-    }
-    Err(Rejected::new(
-        Room::Model,
-        "no_interpolating_surface",
-        "the limit surface cannot be fitted through the vertices; valences are too irregular".to_owned(),
-        1.0,
-    ))
 }

@@ -16,7 +16,7 @@ use pneumorph::solve::{Ending, EquilibriumSolver, NativeSolver, PathSettings, fo
 
 #[test]
 fn tip_moves_like_the_solid() {
-    let surface = stl::read(Path::new("tests/data/basic_bend.stl")).unwrap();
+    let surface = stl::read(Path::new("tests/data/basic_bend.stl"), stl::WELD_TOLERANCE).unwrap();
     let mesh = ShellMesh::new(surface, &ShellSettings::default()).unwrap();
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
     let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &[]).unwrap();

@@ -36,7 +36,7 @@ pub struct LoopBasis {
 }
 
 impl LoopBasis {
-    /// The weights for a triangle whose corners have these valences (each at least 4).
+    /// The weights for a triangle whose corners have these valences (each at least 3).
     ///
     /// Control points are ordered as in [`Stencil`].
     #[must_use]
@@ -104,10 +104,23 @@ impl Sample {
     /// Nodes in ascending order, and their weights.
     #[must_use]
     pub fn ascending(self) -> (Vec<u32>, Vec<f64>) {
-        let mut pairs: Vec<(u32, f64)> = self.nodes.into_iter().zip(self.weights).collect();
-        pairs.sort_unstable_by_key(|&(node, _)| node);
-        pairs.into_iter().unzip()
+        let weights: Vec<[f64; 1]> = self.weights.iter().map(|&w| [w]).collect();
+        let (nodes, weights) = ascending(&self.nodes, &weights);
+        (nodes, weights.into_iter().map(|[w]| w).collect())
     }
+}
+
+/// `nodes` in ascending order without repetition, and their weights, added up where a node is repeated.
+pub(in crate::model) fn ascending<const N: usize>(
+    nodes: &[u32],
+    weights: &[[f64; N]],
+) -> (Vec<u32>, Vec<[f64; N]>) {
+    let mut merged = BTreeMap::new();
+    for (&node, weights) in nodes.iter().zip(weights) {
+        let sums = merged.entry(node).or_insert([0.0; N]);
+        sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
+    }
+    merged.into_iter().unzip()
 }
 
 /// The limit points of all vertices, then of all edge midpoints, and the facets between them.
@@ -168,8 +181,8 @@ struct Patch {
 
 impl Patch {
     fn coarse(valences: [usize; 3]) -> Self {
-        let stencil = Stencil::local_rings(valences);
-        let size = valences.iter().sum::<usize>() - 6;
+        let rings = Stencil::local_rings(valences);
+        let size = Stencil::local_size(valences);
         let unit = |index: usize| {
             let mut row = vec![0.0; size];
             row[index] = 1.0;
@@ -177,7 +190,7 @@ impl Patch {
         };
         Self {
             corners: [0, 1, 2].map(unit),
-            rings: stencil.map(|ring| ring.into_iter().map(unit).collect()),
+            rings: rings.map(|ring| ring.into_iter().map(unit).collect()),
         }
     }
 
@@ -300,7 +313,7 @@ fn beta(n: usize) -> f64 {
 
 /// The weight of each neighbour in the limit position of a vertex of valence `n`.
 #[must_use]
-pub(in crate::model) fn limit_weight(n: usize) -> f64 {
+pub(super) fn limit_weight(n: usize) -> f64 {
     1.0 / (0.375 / beta(n) + n as f64)
 }
 

@@ -12,7 +12,12 @@
 //!
 //! The factor `l3` makes a stretched wall thinner in bending too. One barycentre for each triangle, three
 //! Gauss points through the wall; the area `dA` is the limit surface's own, so that meshes of any valence
-//! have their true area. Not for true creases: round them to a radius of the thickness or more.
+//! have their true area.
+//!
+//! Where a fold at rest is tighter than the wall allows (a crease, a sliver across a rim), the layers of the element
+//! are drawn together until the innermost keeps [`TIGHTEST_FOLD`] of its area: its membrane stays whole, its
+//! bending softens. [`LoopShell::creased_share`] says how much of the wall that is. True creases have no place
+//! in this element: round them to a radius of the thickness or more.
 //!
 //! Source: Cirak & Ortiz (2001), finite-deformation thin shells by subdivision.
 
@@ -21,9 +26,9 @@ use std::rc::Rc;
 use nalgebra::Matrix3;
 
 use super::jet::{Jet, VARIABLES};
-use super::loop_patch::LoopBasis;
+use super::loop_patch::{LoopBasis, ascending};
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{ShellMesh, Stencil};
+use crate::mesh::ShellMesh;
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::Material;
 use crate::model::system::Inadmissible;
@@ -32,8 +37,10 @@ use crate::model::system::Inadmissible;
 const GAUSS: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// A fold at rest may use at most this much of its inner layer: `1 - z kappa` stays above 0.05.
-const LEAST_SHIFTER: f64 = 0.05;
+/// The least area of a layer at rest, as a share of the mid-surface's.
+pub(super) const TIGHTEST_FOLD: f64 = 0.25;
+/// The largest share of the wall that may be creased.
+const MOST_CREASED: f64 = 0.1;
 
 /// The stored energy of the wall.
 #[derive(Clone, Debug)]
@@ -43,6 +50,7 @@ pub struct LoopShell {
     /// `[,1 ,2 ,11 ,22 ,12]` of each node of each stencil at its barycentre.
     basis: Vec<Vec<[f64; 5]>>,
     material: Material,
+    creased_share: f64,
 }
 
 /// A quadrature point's reference state.
@@ -70,7 +78,7 @@ impl LoopShell {
     /// The wall of `mesh` with control points at `x` at rest.
     ///
     /// # Errors
-    /// [`Rejected`] when a fold at rest is tighter than half the wall.
+    /// [`Rejected`] when more than a tenth of the wall folds at rest more tightly than its thickness allows.
     pub fn new(
         mesh: &ShellMesh,
         bases: &[Rc<LoopBasis>],
@@ -82,29 +90,43 @@ impl LoopShell {
             points: Vec::with_capacity(bases.len()),
             basis: Vec::with_capacity(bases.len()),
             material,
+            creased_share: 0.0,
         };
-        let mut too_tight = 0;
+        let (mut whole_area, mut creased_area) = (0.0, 0.0);
         for (stencil, basis) in mesh.stencils.iter().zip(bases) {
-            let order = ascending(stencil);
             let positions: Vec<Vec3> = stencil.nodes.iter().map(|&v| x[v as usize]).collect();
-            let derivatives = Derivatives::new(&basis.barycentre, &positions);
             let area = basis.area(&positions);
-            match Point::new(&derivatives, mesh.thickness, area) {
-                Some(point) => shell.points.push(point),
-                None => too_tight += 1,
-            }
-            shell.stencils.push(order.iter().map(|&i| stencil.nodes[i]).collect());
-            shell.basis.push(order.iter().map(|&i| basis.barycentre[i]).collect());
+            let depth = bending_depth(&basis.barycentre, &positions, mesh.thickness);
+            let point = Point::new(&basis.barycentre, &positions, mesh.thickness, depth, area);
+            shell.points.push(point.map_err(|Inadmissible(what)| {
+                Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
+            })?);
+            whole_area += area;
+            creased_area += if depth < 1.0 { area } else { 0.0 };
+            let (nodes, weights) = ascending(&stencil.nodes, &basis.barycentre);
+            shell.stencils.push(nodes);
+            shell.basis.push(weights);
         }
-        if too_tight == 0 {
+        shell.creased_share = creased_area / whole_area;
+        if shell.creased_share <= MOST_CREASED {
             return Ok(shell);
         }
         Err(Rejected::new(
             Room::Model,
-            "fold_tighter_than_wall",
-            format!("{too_tight} of {} elements fold tighter than half the wall", bases.len()),
-            f64::from(too_tight) / bases.len() as f64,
+            "folds_tighter_than_wall",
+            format!(
+                "{:.1} % of the wall folds tighter than its thickness allows, more than {:.0} %",
+                100.0 * shell.creased_share,
+                100.0 * MOST_CREASED
+            ),
+            shell.creased_share - MOST_CREASED,
         ))
+    }
+
+    /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
+    #[must_use]
+    pub fn creased_share(&self) -> f64 {
+        self.creased_share
     }
 
     /// The wall's volume at rest, mm^3.
@@ -114,11 +136,24 @@ impl LoopShell {
     }
 }
 
-/// Positions in a stencil that put its nodes in ascending order.
-pub(in crate::model) fn ascending(stencil: &Stencil) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..stencil.nodes.len()).collect();
-    order.sort_unstable_by_key(|&i| stencil.nodes[i]);
-    order
+/// The smallest area of a layer over that of the mid-surface, at a point of a wall at rest: 1 where it is flat,
+/// 0 or less where it folds tighter than half the wall.
+pub(super) fn least_shifter(basis: &[[f64; 5]], x: &[Vec3], thickness: f64) -> f64 {
+    let Ok((a, b)) = Derivatives::new(basis, x).forms() else {
+        return 0.0;
+    };
+    let of_layer = |(abscissa, _): &(f64, f64)| shifter(0.5 * thickness * abscissa, a, b, det(a));
+    GAUSS.iter().map(of_layer).fold(1.0, f64::min)
+}
+
+/// The share of the wall's thickness over which the layers may spread without the innermost folding too tightly.
+fn bending_depth(basis: &[[f64; 5]], x: &[Vec3], thickness: f64) -> f64 {
+    const SHRINK: f64 = 0.9;
+    let mut depth = 1.0;
+    while depth > 1e-6 && least_shifter(basis, x, depth * thickness) < TIGHTEST_FOLD {
+        depth *= SHRINK;
+    }
+    depth
 }
 
 impl Term for LoopShell {
@@ -305,26 +340,29 @@ impl Derivatives {
 }
 
 impl Point {
-    fn new(derivatives: &Derivatives, thickness: f64, area: f64) -> Option<Self> {
-        let (a, b) = derivatives.forms().ok()?;
+    /// The reference state, its layers spread over `depth` of the thickness.
+    fn new(
+        basis: &[[f64; 5]],
+        x: &[Vec3],
+        thickness: f64,
+        depth: f64,
+        area: f64,
+    ) -> Result<Self, Inadmissible> {
+        let (a, b) = Derivatives::new(basis, x).forms()?;
         let det_a = det(a);
         let third = third_form(a, b, det_a);
-        let mut layers = Vec::with_capacity(3);
-        for (abscissa, weight) in GAUSS {
-            let z = 0.5 * thickness * abscissa;
-            if shifter(z, a, b, det_a) < LEAST_SHIFTER {
-                return None;
-            }
+        let layers = GAUSS.map(|(abscissa, weight)| {
+            let z = 0.5 * depth * thickness * abscissa;
             let g: Form = std::array::from_fn(|k| a[k] - 2.0 * z * b[k] + z * z * third[k]);
             let inverse_det = 1.0 / det(g);
-            layers.push(Layer {
+            Layer {
                 z,
-                volume: 0.5 * thickness * weight * area * (det(g) / det_a).sqrt(),
+                volume: 0.5 * thickness * weight * area * shifter(z, a, b, det_a),
                 inverse_metric: [g[1] * inverse_det, g[0] * inverse_det, -2.0 * g[2] * inverse_det],
                 inverse_det,
-            });
-        }
-        Some(Self { sqrt_det_a: det_a.sqrt(), layers: layers.try_into().ok()? })
+            }
+        });
+        Ok(Self { sqrt_det_a: det_a.sqrt(), layers })
     }
 
     /// The point's energy with its derivatives with respect to `(a11, a22, a12, b11, b22, b12)`.

@@ -36,9 +36,9 @@ impl ChamberPressure {
             limits: Vec::with_capacity(bases.len()),
         };
         for (stencil, basis) in mesh.stencils.iter().zip(bases) {
-            let order = ascending(stencil);
-            chamber.stencils.push(order.iter().map(|&i| stencil.nodes[i]).collect());
-            chamber.limits.push(order.iter().map(|&i| basis.limit[i]).collect());
+            let (nodes, weights) = ascending(&stencil.nodes, &basis.limit);
+            chamber.stencils.push(nodes);
+            chamber.limits.push(weights);
         }
         chamber
     }
