@@ -33,12 +33,22 @@ unsafe impl Send for Factor {}
 
 impl Factor {
     /// Analyses the pattern: entries of row `i` in `columns[starts[i]..starts[i + 1]]`, sorted, diagonal first.
+    ///
+    /// # Panics
+    /// When the pattern is not of that kind: PETSc would store another number of entries.
     pub(in crate::solve::petsc) fn new(
         _: &Session,
         starts: &[usize],
         columns: &[usize],
     ) -> Result<Self, SolverFailure> {
-        let order = petsc_int(starts.len() - 1)?;
+        let order = starts.len() - 1;
+        for (row, bounds) in starts.windows(2).enumerate() {
+            let columns = &columns[bounds[0]..bounds[1]];
+            assert!(columns.first() == Some(&row) && columns.last() < Some(&order), "row {row}");
+            assert!(columns.is_sorted_by(|one, next| one < next), "row {row} is not sorted");
+        }
+        assert!((starts[0], starts[order]) == (0, columns.len()), "entries outside the rows");
+        let order = petsc_int(order)?;
         let starts = starts.iter().copied().map(petsc_int).collect::<Result<Vec<_>, _>>()?;
         let columns = columns.iter().copied().map(petsc_int).collect::<Result<Vec<_>, _>>()?;
         let mut made = Self {
