@@ -110,7 +110,7 @@ const FUNCTIONS: &[&str] = &[
     "MatCreate", "MatSetSizes", "MatSetType", "MatSeqSBAIJSetPreallocationCSR",
     "MatSeqSBAIJGetArray", "MatSeqSBAIJRestoreArray", "MatAssemblyBegin", "MatAssemblyEnd", "MatDestroy",
     "MatGetFactor", "MatFactorInfoInitialize", "MatCholeskyFactorSymbolic", "MatCholeskyFactorNumeric",
-    "MatFactorGetError", "MatFactorClearError", "MatGetInertia", "MatSolve", "MatMumpsSetIcntl",
+    "MatFactorGetError", "MatGetInertia", "MatSolve", "MatMumpsSetIcntl",
     "KSPSetType", "KSPGetPC",
     "PCSetType", "PCShellSetApply", "PCShellSetContext", "PCShellGetContext", "PCSetFailedReason",
     "SNESCreate", "SNESSetType", "SNESSetFunction", "SNESSetJacobian", "SNESSetConvergenceTest", "SNESSetTolerances",
