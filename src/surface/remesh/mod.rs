@@ -276,4 +276,19 @@ mod tests {
         assert_eq!(rejection.reason, "defective_surface");
         assert!(rejection.detail.contains("3 edges have only one triangle"), "{rejection}");
     }
+
+    #[test]
+    fn surfaces_that_pass_through_each_other_are_refused() {
+        let ball = rough(&sphere(5.0), 6.0, 0.9);
+        let count = ball.positions.len() as u32;
+        let shifted = ball.positions.iter().map(|p| p + Vec3::new(6.0, 0.0, 0.0));
+        let copies = ball.triangles.iter().map(|t| t.map(|v| v + count));
+        let pair = TriangleMesh {
+            positions: ball.positions.iter().copied().chain(shifted).collect(),
+            triangles: ball.triangles.iter().copied().chain(copies).collect(),
+        };
+        let rejection = remesh(&pair, None, &settings(1.5)).unwrap_err();
+        assert_eq!(rejection.reason, "self_intersecting");
+        assert!(rejection.violation > 0.0);
+    }
 }

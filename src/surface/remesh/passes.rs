@@ -87,10 +87,11 @@ impl<'a> Workpiece<'a> {
             let Some(normal) = self.normal(v).try_normalize(0.0) else { continue };
             let along = move_to_middle - normal * normal.dot(&move_to_middle);
             let worst = self.worst_at(v, old).min(GOOD_RADIUS_RATIO);
+            let longest = self.longest_at(v, old).max(LONGEST_REPAIR * self.edge);
             for share in [1.0, 0.5, 0.25, 0.0] {
-                let moved = self.projected(old + share * along);
-                if self.keeps_sides(v, moved) && (share == 0.0 || self.worst_at(v, moved) >= worst)
-                {
+                let Some(moved) = self.projected(old + share * along) else { continue };
+                let even = self.worst_at(v, moved) >= worst && self.longest_at(v, moved) <= longest;
+                if self.keeps_sides(v, moved) && (even || share == 0.0) {
                     self.positions[v as usize] = moved;
                     break;
                 }
@@ -236,6 +237,7 @@ impl<'a> Workpiece<'a> {
         new.into_iter().all(faces_alike)
             && worst(new) > worst(old).min(LEAST_RADIUS_RATIO)
             && bend(new) < bend(old).max(FLATTEST_CREASE)
+            && (new[0][0] - new[0][1]).norm() < LONGEST_REPAIR * self.edge
             && self.surface.can_flip(h)
     }
 
@@ -258,6 +260,11 @@ impl<'a> Workpiece<'a> {
         self.around(v, point).map(|(_, new)| radius_ratio(new)).fold(1.0, f64::min)
     }
 
+    /// The longest edge at `v` if it were at `point`, mm.
+    fn longest_at(&self, v: u32, point: Vec3) -> f64 {
+        self.around(v, point).map(|(_, [p, x, _])| (x - p).norm()).fold(0.0, f64::max)
+    }
+
     /// Whether no triangle around `v` turns over when it moves to `point`.
     fn keeps_sides(&self, v: u32, point: Vec3) -> bool {
         self.around(v, point).all(|(old, new)| same_side(old, new))
@@ -271,32 +278,32 @@ impl<'a> Workpiece<'a> {
         })
     }
 
-    /// `point` moved along the gradient onto the zero level by damped Newton steps; where the gradient
-    /// vanishes or no step lowers the value, as far as it came.
-    fn projected(&self, mut point: Vec3) -> Vec3 {
-        let Some(field) = self.field else { return point };
-        let (mut value, mut gradient) = field.value_and_gradient(point);
-        for _ in 0..MOST_NEWTON_STEPS {
+    /// `point` moved along the gradient onto the zero level by damped Newton steps; itself where the
+    /// gradient is unusable, and `None` where the level is not reached nearby.
+    fn projected(&self, mut point: Vec3) -> Option<Vec3> {
+        let Some(field) = self.field else { return Some(point) };
+        let newton_step = |(value, gradient): (f64, Vec3)| {
             let step = -value / gradient.norm_squared() * gradient;
+            step.iter().all(|x| x.is_finite()).then_some(step)
+        };
+        let mut here = field.value_and_gradient(point);
+        let Some(mut step) = newton_step(here) else { return Some(point) };
+        for _ in 0..MOST_NEWTON_STEPS {
             let length = step.norm();
-            if !length.is_finite() || length < ON_LEVEL * self.edge {
+            if length < ON_LEVEL * self.edge {
                 break;
             }
-            let mut share = (LONGEST_NEWTON_STEP * self.edge / length).min(1.0);
-            let mut lower = None;
-            for _ in 0..3 {
-                let trial = point + share * step;
-                let (f, g) = field.value_and_gradient(trial);
-                if f.abs() < value.abs() {
-                    lower = Some((trial, f, g));
-                    break;
-                }
-                share *= 0.5;
-            }
+            let full = (LONGEST_NEWTON_STEP * self.edge / length).min(1.0);
+            let trials = [full, full / 2.0, full / 4.0].map(|share| point + share * step);
+            let lower = trials.into_iter().find_map(|trial| {
+                let there = field.value_and_gradient(trial);
+                (there.0.abs() < here.0.abs()).then_some((trial, there))
+            });
             let Some(accepted) = lower else { break };
-            (point, value, gradient) = accepted;
+            (point, here) = accepted;
+            step = newton_step(here)?;
         }
-        point
+        (step.norm() < NEAR_LEVEL * self.edge).then_some(point)
     }
 }
 
@@ -332,3 +339,5 @@ const MOST_NEWTON_STEPS: usize = 4;
 /// Over the edge length wanted.
 const LONGEST_NEWTON_STEP: f64 = 0.25;
 const ON_LEVEL: f64 = 1e-6;
+/// A vertex farther off than this over the edge length is left where it was: at kinks of the field.
+const NEAR_LEVEL: f64 = 0.05;
