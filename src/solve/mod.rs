@@ -3,6 +3,7 @@
 //! Two solvers stand behind [`EquilibriumSolver`]: ours with `faer`, and PETSc's SNES with MUMPS.
 //! Both run the same line search on the energy, so that they walk through the same iterates.
 
+mod backend;
 mod factor;
 mod line_search;
 mod native;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::system::System;
 
+pub use backend::Backend;
 pub use native::NativeSolver;
 pub use path::{Ending, Path, PathPoint, PathSettings, follow};
 #[cfg(feature = "petsc")]

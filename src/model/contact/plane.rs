@@ -39,6 +39,21 @@ pub struct PlaneSettings {
     pub stiffness: f64,
 }
 
+impl PlaneSettings {
+    /// A plane whose barrier suits a wall of `thickness` (mm) pressed by about `pressure` (MPa).
+    ///
+    /// # Decisions
+    /// The barrier begins a tenth of the thickness before the plane, which is the error of the contact's
+    /// position; half that gap carries ten times the pressure.
+    #[must_use]
+    pub fn rigid(normal: Vec3, offset: f64, thickness: f64, pressure: f64) -> Self {
+        let activation = 0.1 * thickness;
+        // -b'(h / 2) = (ln 2 + 1/2) h.
+        let stiffness = 10.0 * pressure / ((std::f64::consts::LN_2 + 0.5) * activation);
+        Self { normal: normal.into(), offset, activation, stiffness }
+    }
+}
+
 /// The barrier between a shell's outer face and a rigid plane.
 #[derive(Clone, Debug)]
 pub struct PlaneContact {
