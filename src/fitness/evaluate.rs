@@ -24,7 +24,6 @@ pub struct LoadSettings {
     /// Largest chamber pressure, MPa.
     pub pressure: f64,
     /// How the path is walked.
-    #[serde(flatten)]
     pub path: PathSettings,
 }
 
@@ -102,7 +101,8 @@ pub fn evaluate(
     fitness: &FitnessSettings,
     backend: Backend,
 ) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
-    let plane = blocking_plane(mesh, load, fitness);
+    let normal = Vec3::from(fitness.plane_normal).normalize();
+    let plane = PlaneSettings::before(mesh, normal, fitness.plane_distance, load.pressure);
     let mut model = match ShellModel::new(mesh, material, &Support::Clamp, &[plane]) {
         Ok(model) => model,
         Err(rejected) => return Ok(Err(rejected)),
@@ -140,18 +140,6 @@ pub fn evaluate(
     };
     let times = solver.times();
     Ok(Ok((evaluation, Scenarios { model, free, blocked, free_rows, blocked_rows, times })))
-}
-
-/// The plane of the blocking scenario.
-fn blocking_plane(mesh: &ShellMesh, load: &LoadSettings, fitness: &FitnessSettings) -> PlaneSettings {
-    let normal = Vec3::from(fitness.plane_normal).normalize();
-    let lowest = mesh.surface.positions.iter().map(|x| normal.dot(x)).fold(f64::INFINITY, f64::min);
-    PlaneSettings::rigid(
-        normal,
-        lowest - 0.5 * mesh.thickness - fitness.plane_distance,
-        mesh.thickness,
-        load.pressure,
-    )
 }
 
 fn cut_short(path: &Path, pressure: f64, scenario: &str) -> Option<Rejected> {

@@ -18,6 +18,14 @@ pub struct StageSeconds {
     pub rest: f64,
 }
 
+impl StageSeconds {
+    /// All stages together.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.meshing + self.assembly + self.factorization + self.rest
+    }
+}
+
 /// The result of evaluating a candidate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "status", rename_all = "snake_case")]

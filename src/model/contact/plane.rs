@@ -40,17 +40,19 @@ pub struct PlaneSettings {
 }
 
 impl PlaneSettings {
-    /// A plane whose barrier suits a wall of `thickness` (mm) pressed by about `pressure` (MPa).
+    /// A plane `distance` (mm) before the outermost point of `mesh`'s outer wall, its barrier fit for `pressure` (MPa).
     ///
     /// # Decisions
     /// The barrier begins a tenth of the thickness before the plane, which is the error of the contact's
     /// position; half that gap carries ten times the pressure.
     #[must_use]
-    pub fn rigid(normal: Vec3, offset: f64, thickness: f64, pressure: f64) -> Self {
-        let activation = 0.1 * thickness;
+    pub fn before(mesh: &ShellMesh, normal: Vec3, distance: f64, pressure: f64) -> Self {
+        let heights = mesh.surface.positions.iter().map(|x| normal.dot(x));
+        let outermost = heights.fold(f64::INFINITY, f64::min) - 0.5 * mesh.thickness;
+        let activation = 0.1 * mesh.thickness;
         // -b'(h / 2) = (ln 2 + 1/2) h.
         let stiffness = 10.0 * pressure / ((std::f64::consts::LN_2 + 0.5) * activation);
-        Self { normal: normal.into(), offset, activation, stiffness }
+        Self { normal: normal.into(), offset: outermost - distance, activation, stiffness }
     }
 }
 
