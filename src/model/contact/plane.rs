@@ -102,7 +102,7 @@ impl PlaneContact {
             let gap = self.gap(s, positions);
             if gap < self.settings.activation { -self.weight(s) * self.barrier(gap)[1] } else { 0.0 }
         };
-        (0..self.nodes.len()).map(sample_force).sum()
+        (0..self.nodes.len()).map(sample_force).fold(0.0, |sum, force| sum + force)
     }
 
     /// The largest part of the displacement `dx` that leaves every sample on its side of the plane, at most 1.
