@@ -46,6 +46,10 @@ impl LdlFactor {
         })
     }
 
+    pub(super) fn pattern(&self) -> &SparsityPattern {
+        &self.pattern
+    }
+
     /// Factorises `values [stored]`; the number of negative pivots, `None` when a pivot is zero.
     pub(super) fn factorize(&mut self, values: &[f64]) -> Option<usize> {
         let matrix = SparseColMatRef::new(view(&self.pattern), values);
@@ -70,7 +74,7 @@ impl LdlFactor {
             let block = factor.supernode(s).val();
             for k in 0..block.ncols() {
                 let pivot: f64 = block[(k, k)];
-                if !pivot.is_finite() {
+                if pivot == 0.0 || !pivot.is_finite() {
                     return None;
                 }
                 negative += usize::from(pivot < 0.0);
