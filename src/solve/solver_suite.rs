@@ -320,7 +320,10 @@ pub(super) fn another_pattern_is_refused<S: EquilibriumSolver>(
     let diagonal = SparsityPattern { column_starts: vec![0, 1, 2], row_indices: vec![0, 1] };
     let mut solver = make(&diagonal);
     let settings = NewtonSettings::default();
-    assert_panics(|| solver.solve(&mut chain, &mut [0.0; 2], &settings).map(drop).unwrap(), "pattern");
+    assert_panics(
+        || solver.solve(&mut chain, &mut [0.0; 2], &settings).map(drop).unwrap(),
+        "pattern",
+    );
     assert_panics(|| solver.linearize(&mut chain, &[0.0; 2]).map(drop).unwrap(), "pattern");
 }
 
