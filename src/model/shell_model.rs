@@ -60,14 +60,20 @@ impl ShellModel {
         let reference = fitted_control_points(mesh, &bases)?;
         let wall = LoopShell::new(mesh, &bases, &reference, material.clone())?;
         let chamber = ChamberPressure::new(mesh, &bases);
-        let planes: Vec<PlaneContact> =
-            planes.iter().map(|&plane| PlaneContact::new(mesh, &bases, &reference, plane)).collect();
+        let planes: Vec<PlaneContact> = planes
+            .iter()
+            .map(|&plane| PlaneContact::new(mesh, &bases, &reference, plane))
+            .collect();
         // Every plane's stencil lies within an element's, so the wall alone makes the pattern.
         let assembler = Assembler::new(reference.len(), &[&wall]);
         let held = match support {
             Support::Clamp => {
                 let near = |&v: &u32| mesh.rings.ring(v).iter().copied().chain([v]);
-                mesh.clamp.iter().flat_map(near).flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
+                mesh.clamp
+                    .iter()
+                    .flat_map(near)
+                    .flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2])
+                    .collect()
             }
             Support::Unknowns(unknowns) => unknowns.clone(),
         };

@@ -100,7 +100,11 @@ impl PlaneContact {
     pub fn force(&self, positions: &[Vec3]) -> f64 {
         let sample_force = |s: usize| {
             let gap = self.gap(s, positions);
-            if gap < self.settings.activation { -self.weight(s) * self.barrier(gap)[1] } else { 0.0 }
+            if gap < self.settings.activation {
+                -self.weight(s) * self.barrier(gap)[1]
+            } else {
+                0.0
+            }
         };
         (0..self.nodes.len()).map(sample_force).fold(0.0, |sum, force| sum + force)
     }

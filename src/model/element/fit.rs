@@ -18,7 +18,7 @@ use crate::mesh::{Rings, ShellMesh};
 /// Rounds of giving way; each takes the vertices of the elements that are still too tight.
 const ROUNDS: usize = 8;
 
-/// The control points of `mesh`, [vertices], mm.
+/// The control points of `mesh`, `[vertices]`, mm.
 ///
 /// # Errors
 /// [`Rejected`] when the iteration does not converge, which no closed manifold met so far has caused.
@@ -59,8 +59,11 @@ fn interpolating(targets: &[Vec3], rings: &Rings) -> Result<Vec<Vec3>, Rejected>
     let mut control = targets.to_vec();
     for _ in 0..ITERATIONS {
         let mut largest: f64 = 0.0;
-        for ((control, limit), target) in
-            limit(&control, rings).iter().zip(targets).zip(&mut control).map(|((l, t), c)| ((c, l), t))
+        for ((control, limit), target) in limit(&control, rings)
+            .iter()
+            .zip(targets)
+            .zip(&mut control)
+            .map(|((l, t), c)| ((c, l), t))
         {
             let miss = target - limit;
             largest = largest.max(miss.amax());
@@ -73,7 +76,8 @@ fn interpolating(targets: &[Vec3], rings: &Rings) -> Result<Vec<Vec3>, Rejected>
     Err(Rejected::new(
         Room::Model,
         "no_interpolating_surface",
-        "the limit surface cannot be fitted through the vertices; valences are too irregular".to_owned(),
+        "the limit surface cannot be fitted through the vertices; valences are too irregular"
+            .to_owned(),
         1.0,
     ))
 }

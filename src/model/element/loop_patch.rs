@@ -126,6 +126,9 @@ pub(in crate::model) fn ascending<const N: usize>(
 /// The limit points of all vertices, then of all edge midpoints, and the facets between them.
 ///
 /// Four facets for each triangle; together they bound the surface that carries pressure and contact.
+///
+/// # Panics
+/// When a vertex of `rings` has no triangle.
 #[must_use]
 pub fn samples(
     stencils: &[Stencil],
@@ -160,7 +163,8 @@ pub fn samples(
         });
         facets.extend(SUBTRIANGLES.map(|facet| facet.map(|point| local[point])));
     }
-    let samples = samples.into_iter().map(|s| s.expect("every vertex of a closed mesh has a triangle"));
+    let samples =
+        samples.into_iter().map(|s| s.expect("every vertex of a closed mesh has a triangle"));
     (samples.collect(), facets)
 }
 
@@ -206,8 +210,18 @@ impl Patch {
         }
         let [r0, r1, r2] = &self.rings;
         let control: [&Row; 12] = [
-            &r0[4], &r0[3], &r0[5], &self.corners[0], &r0[2], &r1[3], &self.corners[1],
-            &self.corners[2], &r2[4], &r1[4], &r1[5], &r2[3],
+            &r0[4],
+            &r0[3],
+            &r0[5],
+            &self.corners[0],
+            &r0[2],
+            &r1[3],
+            &self.corners[1],
+            &self.corners[2],
+            &r2[4],
+            &r1[4],
+            &r1[5],
+            &r2[3],
         ];
         let basis = box_spline::derivatives(1.0 / 3.0, 1.0 / 3.0);
         let row = |k: usize| {

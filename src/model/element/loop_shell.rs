@@ -207,7 +207,11 @@ fn scatter(hessian: &[[Matrix3<f64>; 5]; 5], basis: &[[f64; 5]], local: &mut Loc
     for (j, column) in basis.iter().enumerate() {
         let half: [Matrix3<f64>; 5] = std::array::from_fn(|s| {
             let h = &hessian[s];
-            h[0] * column[0] + h[1] * column[1] + h[2] * column[2] + h[3] * column[3] + h[4] * column[4]
+            h[0] * column[0]
+                + h[1] * column[1]
+                + h[2] * column[2]
+                + h[3] * column[3]
+                + h[4] * column[4]
         });
         for (i, row) in basis.iter().enumerate().skip(j) {
             *local.block_mut(i, j) += half[0] * row[0]
@@ -276,6 +280,7 @@ impl Derivatives {
     }
 
     /// The energy's Hessian with respect to `d`.
+    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
     fn hessian(&self, energy: &Jet) -> [[Matrix3<f64>; 5]; 5] {
         let [a1, a2, ..] = &self.d;
         let q = &energy.gradient;
@@ -324,8 +329,9 @@ impl Derivatives {
             moment += q[3 + k] * self.d[2 + k];
         }
         let v = per_area * moment;
-        let of_normal = -(v * n.transpose() + n * v.transpose() + projector * (moment.dot(n) / self.jacobian))
-            / self.jacobian;
+        let of_normal =
+            -(v * n.transpose() + n * v.transpose() + projector * (moment.dot(n) / self.jacobian))
+                / self.jacobian;
         let area = [-a2.cross_matrix(), a1.cross_matrix()];
         h[0][0] += area[0].transpose() * of_normal * area[0];
         h[1][1] += area[1].transpose() * of_normal * area[1];
@@ -366,6 +372,7 @@ impl Point {
     }
 
     /// The point's energy with its derivatives with respect to `(a11, a22, a12, b11, b22, b12)`.
+    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
     fn energy_of_forms(&self, a: Form, b: Form, material: &Material) -> Result<Jet, Inadmissible> {
         let det_a = det(a);
         let l3 = self.sqrt_det_a / det_a.sqrt();
@@ -385,7 +392,8 @@ impl Point {
             let [psi_tt, psi_tj, psi_jj] = density.second;
             let dt = layer.inverse_metric;
             let dj = [g[1], g[0], -2.0 * g[2]].map(|v| v * layer.inverse_det);
-            let first: Form = std::array::from_fn(|k| layer.volume * (psi_t * dt[k] + psi_j * dj[k]));
+            let first: Form =
+                std::array::from_fn(|k| layer.volume * (psi_t * dt[k] + psi_j * dj[k]));
             let mut second: [[f64; 3]; 3] = std::array::from_fn(|k| {
                 let on_t = layer.volume * (psi_tt * dt[k] + psi_tj * dj[k]);
                 let on_j = layer.volume * (psi_tj * dt[k] + psi_jj * dj[k]);
@@ -397,9 +405,8 @@ impl Point {
             second[2][2] -= 2.0 * curvature_of_j;
 
             let dg: [[f64; VARIABLES]; 3] = std::array::from_fn(|k| {
-                let mut row: [f64; VARIABLES] = std::array::from_fn(|i| {
-                    -2.0 * z * p[k].gradient[i] + z * z * q[k].gradient[i]
-                });
+                let mut row: [f64; VARIABLES] =
+                    std::array::from_fn(|i| -2.0 * z * p[k].gradient[i] + z * z * q[k].gradient[i]);
                 row[k] += 1.0;
                 row
             });

@@ -96,6 +96,7 @@ mod tests {
         }
     }
 
+    #[rustfmt::skip]
     const STRETCHES: [[f64; 2]; 8] = [
         [1.0, 1.0], [1.0 + 1e-9, 1.0], [1.05, 1.0], [1.2, 1.2], [1.21, 1.2], [0.7, 1.4], [2.5, 0.9], [3.0, 3.0],
     ];
@@ -107,7 +108,12 @@ mod tests {
                 let (t, j) = (l1 * l1 + l2 * l2, (l1 * l2).powi(2));
                 let exact = energy_of_stretches(&law, [l1, l2]);
                 // Yap's coefficients of 240 MPa cancel: 1e-12 is four roundings of each.
-                assert_relative_eq!(law.density(t, j).value, exact, epsilon = 1e-12, max_relative = 1e-12);
+                assert_relative_eq!(
+                    law.density(t, j).value,
+                    exact,
+                    epsilon = 1e-12,
+                    max_relative = 1e-12
+                );
                 assert_relative_eq!(law.energy(t, j), exact, epsilon = 1e-12, max_relative = 1e-12);
             }
         }
@@ -122,8 +128,8 @@ mod tests {
                 // Between equal stretches T^2 = 4 J: a difference in J alone would leave the domain.
                 let (t, j) = (l1 * l1 + l2 * l2 + 0.01, (l1 * l2).powi(2));
                 let d = law.density(t, j);
-                let [tp, tm, jp, jm] =
-                    [(t + step, j), (t - step, j), (t, j + step), (t, j - step)].map(|(t, j)| law.density(t, j));
+                let [tp, tm, jp, jm] = [(t + step, j), (t - step, j), (t, j + step), (t, j - step)]
+                    .map(|(t, j)| law.density(t, j));
                 let slope = |a: f64, b: f64| (a - b) / (2.0 * step);
                 let pairs = [
                     (d.first[0], slope(tp.value, tm.value)),

@@ -100,10 +100,7 @@ impl OgdenTerm {
         let third = j.powf(-a);
         EnergyDensity {
             value: factor * (p * c + third - 3.0),
-            first: [
-                factor * p * dc * y_t,
-                factor * (dp * c + p * dc * y_j - a * third / j),
-            ],
+            first: [factor * p * dc * y_t, factor * (dp * c + p * dc * y_j - a * third / j)],
             second: [
                 factor * p * ddc * y_t * y_t,
                 factor * (dp * dc * y_t + p * (ddc * y_j * y_t + dc * y_tj)),
@@ -140,7 +137,8 @@ fn cosh_multiple_series(a: f64, y: f64) -> [f64; 3] {
         coefficients[k + 1] = coefficients[k] * (a * a - n * n) / ((2.0 * n + 1.0) * (n + 1.0));
     }
     // Horner's scheme for the value and both derivatives.
-    coefficients.iter().rev().fold([0.0; 3], |[f, df, ddf], c| {
-        [f * y + c, df * y + f, ddf * y + 2.0 * df]
-    })
+    coefficients
+        .iter()
+        .rev()
+        .fold([0.0; 3], |[f, df, ddf], c| [f * y + c, df * y + f, ddf * y + 2.0 * df])
 }
