@@ -77,9 +77,10 @@ impl Search {
                 state.search.settings.generations = run.evolution.generations;
                 (Nsga2::resume(state.search)?, state.history)
             }
-            None => {
-                (Nsga2::new(run.evolution.clone(), run.gene_bounds()?, REFERENCE.len())?, Vec::new())
-            }
+            None => (
+                Nsga2::new(run.evolution.clone(), run.gene_bounds()?, REFERENCE.len())?,
+                Vec::new(),
+            ),
         };
         let records = folder.records_to_resume(nsga2.generation())?;
         say(&format!(
@@ -102,7 +103,11 @@ impl Search {
         Ok(())
     }
 
-    fn evaluate(&self, candidates: &[Candidate], executor: &Threads) -> anyhow::Result<Vec<Record>> {
+    fn evaluate(
+        &self,
+        candidates: &[Candidate],
+        executor: &Threads,
+    ) -> anyhow::Result<Vec<Record>> {
         let generation = self.nsga2.generation();
         let bar = progress_bar(generation, self.nsga2.settings().generations, candidates.len());
         let mut failed = false;
@@ -116,7 +121,8 @@ impl Search {
             },
         );
         bar.finish_and_clear();
-        let outcomes = outcomes.map_err(|_| anyhow!("a solver library failed; the generations before are saved"))?;
+        let outcomes = outcomes
+            .map_err(|_| anyhow!("a solver library failed; the generations before are saved"))?;
         let record = |(candidate, outcome): (&Candidate, Finished)| match outcome {
             Ok(finished) => finished.map_err(anyhow::Error::from),
             Err(panicked) => Ok(Record {
@@ -138,7 +144,9 @@ impl Search {
         let front = self.nsga2.front();
         let objectives: Vec<[f64; 2]> = front
             .iter()
-            .map(|individual| [individual.evaluation.objectives[0], individual.evaluation.objectives[1]])
+            .map(|individual| {
+                [individual.evaluation.objectives[0], individual.evaluation.objectives[1]]
+            })
             .collect();
         let best = |k: usize| objectives.iter().map(|o| -o[k]).fold(0.0, f64::max);
         let row = HistoryRow {
@@ -209,7 +217,8 @@ impl Search {
             }
         }
         let seconds: f64 = self.records.iter().map(|record| record.cpu_seconds.total()).sum();
-        let causes: Vec<String> = counts.iter().map(|(cause, count)| format!("{cause} {count}")).collect();
+        let causes: Vec<String> =
+            counts.iter().map(|(cause, count)| format!("{cause} {count}")).collect();
         let causes = if causes.is_empty() { "none".to_owned() } else { causes.join(", ") };
         format!(
             "{} candidates in {seconds:.1} core-seconds; rejected: {causes}",
@@ -222,7 +231,8 @@ fn evaluate_candidate(
     candidate: &Candidate,
     settings: &CandidateSettings,
 ) -> Result<Record, SolverFailure> {
-    let genome = Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
+    let genome =
+        Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
     let evaluated = evaluate_network(&genome.decode(), settings)?;
     Ok(Record {
         id: candidate.id,
@@ -240,7 +250,8 @@ fn evaluation(record: &Record) -> Evaluation {
 }
 
 fn progress_bar(generation: usize, generations: usize, candidates: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} [{elapsed}, {eta} left]");
+    let style =
+        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} [{elapsed}, {eta} left]");
     let bar = ProgressBar::new(candidates as u64);
     bar.set_style(style.expect("the template is valid"));
     bar.set_message(format!("generation {} of {generations}", generation + 1));

@@ -32,12 +32,16 @@ impl Default for MaterialSection {
 impl MaterialSection {
     pub(super) fn material(&self) -> anyhow::Result<Material> {
         match (self.preset.as_deref(), self.law.as_deref(), self.mu, &self.terms) {
-            (Some("ninjaflex-c2s"), None, None, None) => Ok(Material::Ogden(Ogden::ninjaflex_c2s())),
+            (Some("ninjaflex-c2s"), None, None, None) => {
+                Ok(Material::Ogden(Ogden::ninjaflex_c2s()))
+            }
             (Some("ninjaflex-yap2016"), None, None, None) => {
                 Ok(Material::Ogden(Ogden::ninjaflex_yap2016()))
             }
             (Some(preset), None, None, None) => {
-                bail!("[material] has no preset `{preset}`; it has ninjaflex-c2s and ninjaflex-yap2016")
+                bail!(
+                    "[material] has no preset `{preset}`; it has ninjaflex-c2s and ninjaflex-yap2016"
+                )
             }
             (None, Some("neo-hookean"), Some(mu), None) => {
                 positive("[material] mu", mu)?;
@@ -52,7 +56,9 @@ impl MaterialSection {
                 Ok(Material::Ogden(Ogden { terms: terms.clone() }))
             }
             (None, Some(law), ..) if law != "neo-hookean" && law != "ogden" => {
-                bail!("[material] has no law `{law}`; it has neo-hookean (with mu) and ogden (with terms)")
+                bail!(
+                    "[material] has no law `{law}`; it has neo-hookean (with mu) and ogden (with terms)"
+                )
             }
             _ => bail!(
                 "[material] wants either `preset`, or `law = \"neo-hookean\"` with `mu`, or `law = \"ogden\"` with `terms`"

@@ -90,7 +90,7 @@ impl RunFile {
     pub(super) fn gene_bounds(&self) -> anyhow::Result<evolve::Bounds> {
         let bounds = Bounds::with_overrides(&self.genes).context("[genes]")?;
         let pairs = bounds.intervals().iter().map(|&[lower, upper]| (lower, upper)).collect();
-        Ok(evolve::Bounds::new(pairs).context("[genes]")?)
+        evolve::Bounds::new(pairs).context("[genes]")
     }
 
     /// What decides a candidate's outcome.
@@ -109,8 +109,8 @@ impl RunFile {
 
 /// A run file with every default, as TOML.
 pub(super) fn defaults() -> String {
-    let mut run = RunFile::default();
-    run.genes = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper])).collect();
+    let genes = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper])).collect();
+    let run = RunFile { genes, ..RunFile::default() };
     toml::to_string(&run).expect("the defaults are plain numbers and words")
 }
 
@@ -137,7 +137,11 @@ pub(super) fn check_shell(
     );
     positive("[load] pressure", load.pressure)?;
     ensure!(load.path.steps > 0, "[load.path] steps is 0, but at least 1 step is needed");
-    ensure!(load.path.halvings <= 30, "[load.path] halvings is {}, more than 30", load.path.halvings);
+    ensure!(
+        load.path.halvings <= 30,
+        "[load.path] halvings is {}, more than 30",
+        load.path.halvings
+    );
     positive("[load.path.newton] tolerance", load.path.newton.tolerance)?;
     ensure!(load.path.newton.max_iterations > 0, "[load.path.newton] max_iterations is 0");
     Ok(())

@@ -66,7 +66,11 @@ impl RunFolder {
     /// The folder of an earlier run.
     pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
         let folder = OutputFolder::open(path)?;
-        ensure!(folder.file("run.toml").is_file(), "{} is not the folder of a run: it has no run.toml", path.display());
+        ensure!(
+            folder.file("run.toml").is_file(),
+            "{} is not the folder of a run: it has no run.toml",
+            path.display()
+        );
         Ok(Self { folder })
     }
 

@@ -129,8 +129,12 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
             let name = file.display();
             surface.check_closed_manifold().with_context(|| name.to_string())?;
             let crossings = intersecting_pairs(&surface).len();
-            anyhow::ensure!(crossings == 0, "{name}: {crossings} pairs of triangles pass through each other");
-            ShellMesh::new(surface, &scene.wall).map_err(|rejected| anyhow!("{name}: {rejected}"))?
+            anyhow::ensure!(
+                crossings == 0,
+                "{name}: {crossings} pairs of triangles pass through each other"
+            );
+            ShellMesh::new(surface, &scene.wall)
+                .map_err(|rejected| anyhow!("{name}: {rejected}"))?
         }
     };
     Ok(made)

@@ -45,13 +45,19 @@ pub struct Observation {
     pub plane_force: f64,
     /// Newton iterations since the row before.
     pub newton_iterations: usize,
-    /// Iterations among them with an indefinite tangent: above 0 the path came near an instability.
+    /// Iterations among them with an indefinite tangent.
     pub indefinite_iterations: usize,
+    /// `stable`, or `stable_beyond_instability` when the way here led over indefinite tangents: a snap is likely.
+    pub stability: &'static str,
 }
 
 /// The rows of a path, the first at rest.
 #[must_use]
-pub fn observations(mesh: &ShellMesh, model: &ShellModel, points: &[PathPoint]) -> Vec<Observation> {
+pub fn observations(
+    mesh: &ShellMesh,
+    model: &ShellModel,
+    points: &[PathPoint],
+) -> Vec<Observation> {
     let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
     let mut angle = 0.0;
     let observe = |(step, point): (usize, &PathPoint)| {
@@ -77,6 +83,7 @@ pub fn observations(mesh: &ShellMesh, model: &ShellModel, points: &[PathPoint]) 
             plane_force: model.plane_force(&point.x),
             newton_iterations: point.newton_iterations,
             indefinite_iterations: point.shifted,
+            stability: if point.shifted == 0 { "stable" } else { "stable_beyond_instability" },
         }
     };
     points.iter().enumerate().map(observe).collect()

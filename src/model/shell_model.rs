@@ -131,7 +131,10 @@ impl ShellModel {
             return 0.0;
         }
         let positions = self.displaced(u);
-        self.planes.iter().map(|(plane, _)| plane.force(&positions)).fold(0.0, |sum, force| sum + force)
+        self.planes
+            .iter()
+            .map(|(plane, _)| plane.force(&positions))
+            .fold(0.0, |sum, force| sum + force)
     }
 
     /// The smallest gap to a plane of the scene, mm; infinite without planes.
