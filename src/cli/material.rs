@@ -53,7 +53,7 @@ impl MaterialSection {
                 if terms.iter().any(|term| term.alpha == 0.0 || !term.alpha.is_finite()) {
                     bail!("[material] terms: alpha must be a number other than 0");
                 }
-                Ok(Material::Ogden(Ogden { terms: terms.clone() }))
+                Ok(Material::Ogden(Ogden::new(terms)))
             }
             (None, Some(law), ..) if law != "neo-hookean" && law != "ogden" => {
                 bail!(

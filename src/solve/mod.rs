@@ -107,7 +107,8 @@ pub trait EquilibriumSolver {
     /// Factorises the unshifted tangent at `x [n]` and returns its number of negative pivots.
     ///
     /// A singular tangent, as at a limit point, has more than [`System::stable_negative_pivots`]: at least one
-    /// direction is lost.
+    /// direction is lost. Where `x` is the solution that [`Self::solve`] just found, its last tangent may be used again:
+    /// the system must not have changed in between.
     ///
     /// # Errors
     /// [`SolverFailure`] when the library fails.
