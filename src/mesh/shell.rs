@@ -47,12 +47,12 @@ pub struct ShellMesh {
 }
 
 impl ShellMesh {
-    /// The shell of a closed manifold `surface`.
+    /// The shell of `surface`.
     ///
     /// # Errors
-    /// [`Rejected`] when the clamp holds fewer than three vertices.
+    /// [`Rejected`] when the surface is no closed manifold, or the clamp holds fewer than three vertices.
     pub fn new(surface: TriangleMesh, settings: &ShellSettings) -> Result<Self, Rejected> {
-        let rings = Rings::new(&surface.triangles, surface.positions.len());
+        let rings = Rings::new(surface.positions.len(), &surface.triangles)?;
         let heights = || surface.positions.iter().map(|p| p.z);
         let base = heights().fold(f64::INFINITY, f64::min);
         let top = heights().fold(f64::NEG_INFINITY, f64::max);
