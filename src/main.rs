@@ -1,5 +1,5 @@
-//! The `pneumorph` program: parses the command line and runs one command.
+//! The `pneumorph` program.
 
 fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+    pneumorph::cli::run()
 }

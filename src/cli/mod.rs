@@ -1,1 +1,158 @@
-//! Room under construction.
+//! The command line: what was typed, turned into work, and work turned into files and lines.
+
+mod design_folder;
+mod evolve;
+mod material;
+mod mesh;
+mod provenance;
+mod report;
+mod run_file;
+mod run_folder;
+mod scene_file;
+mod simulate;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+use crate::solve::Backend;
+
+/// Designs pneumatic soft actuators by evolution.
+#[derive(Debug, Parser)]
+#[command(name = "pneumorph", version, about, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Search for actuators that bend far and push hard (NSGA-II over network genomes).
+    Evolve {
+        /// The run file; every key has a default (see --print-defaults).
+        #[arg(required_unless_present = "print_defaults")]
+        run: Option<PathBuf>,
+        /// Folder for the results; must not exist unless --resume is given.
+        #[arg(long, required_unless_present = "print_defaults")]
+        out: Option<PathBuf>,
+        /// Go on with an interrupted run in --out.
+        #[arg(long)]
+        resume: bool,
+        /// Candidates evaluated at once; 0 is one for each core. The results do not depend on it.
+        #[arg(long, default_value_t = 0)]
+        threads: usize,
+        /// The solver, instead of the run file's.
+        #[arg(long)]
+        solver: Option<SolverName>,
+        /// Print a run file with all defaults and stop.
+        #[arg(long)]
+        print_defaults: bool,
+    },
+    /// Inflate one part and record its path.
+    Simulate {
+        /// The scene file: a network or an STL mid-surface, its wall, load and planes.
+        #[arg(required_unless_present = "print_defaults")]
+        scene: Option<PathBuf>,
+        /// Folder for the results; must not exist.
+        #[arg(long, required_unless_present = "print_defaults")]
+        out: Option<PathBuf>,
+        /// The solver, instead of the scene's.
+        #[arg(long)]
+        solver: Option<SolverName>,
+        /// Print the summary as JSON instead of words.
+        #[arg(long)]
+        json: bool,
+        /// Print a scene file with all defaults and stop.
+        #[arg(long)]
+        print_defaults: bool,
+    },
+    /// Make the mid-surface of a network and report its quality.
+    Mesh {
+        /// The network file.
+        network: PathBuf,
+        /// Folder for surface.stl, surface.vtu and quality.json; must not exist.
+        #[arg(long)]
+        out: PathBuf,
+        /// Edge length, mm.
+        #[arg(long)]
+        edge: Option<f64>,
+        /// Print the quality as JSON instead of words.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Draw the figures of a run and print its front.
+    Report {
+        /// The folder of a run.
+        run: PathBuf,
+    },
+}
+
+/// The names of the solvers on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SolverName {
+    /// Newton in Rust with faer.
+    Native,
+    /// PETSc's SNES with MUMPS.
+    Petsc,
+}
+
+impl From<SolverName> for Backend {
+    fn from(name: SolverName) -> Self {
+        match name {
+            SolverName::Native => Self::Native,
+            SolverName::Petsc => Self::Petsc,
+        }
+    }
+}
+
+/// Runs the program on the process's arguments; the exit code is 0 when done, 1 when the machine or the input
+/// failed, 2 for wrong usage.
+#[must_use]
+pub fn run() -> ExitCode {
+    match dispatch(Arguments::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            complain(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn dispatch(command: Command) -> anyhow::Result<()> {
+    match command {
+        Command::Evolve { print_defaults: true, .. } => {
+            say(&run_file::defaults());
+            Ok(())
+        }
+        Command::Simulate { print_defaults: true, .. } => {
+            say(&scene_file::defaults());
+            Ok(())
+        }
+        Command::Evolve { run, out, resume, threads, solver, .. } => {
+            let (run, out) = (given(run), given(out));
+            evolve::run(&run, &out, resume, threads, solver.map(Backend::from))
+        }
+        Command::Simulate { scene, out, solver, json, .. } => {
+            simulate::run(&given(scene), &given(out), solver.map(Backend::from), json)
+        }
+        Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
+        Command::Report { run } => report::run(&run),
+    }
+}
+
+fn given(path: Option<PathBuf>) -> PathBuf {
+    path.expect("clap demands the path unless defaults are printed")
+}
+
+/// Prints `text` for the user; a closed pipe ends the listening, not the work.
+fn say(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
+}
+
+/// Prints the one line of an error.
+fn complain(error: &anyhow::Error) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "pneumorph: {error:#}");
+}

@@ -1,1 +1,15 @@
-//! Room under construction.
+//! How good is that? Scenarios, what is read off their paths, and the two objectives.
+//!
+//! Two scenarios share one path until the part touches the plane: bending freely, and pressing on a plane.
+
+mod candidate;
+mod evaluate;
+mod objective;
+mod observation;
+mod outcome;
+
+pub use candidate::{Candidate, CandidateSettings, evaluate_network, shell_of_network};
+pub use evaluate::{Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate};
+pub use objective::{bending, blocking, figure_of_merit};
+pub use observation::{Observation, observations};
+pub use outcome::{Outcome, StageSeconds};

@@ -1,7 +1,9 @@
 //! Which cells carry the computation? The shell mesh: control points, stencils, clamp and tip.
 
+mod from_field;
 mod rings;
 mod shell;
 
+pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellMesh, ShellSettings};

@@ -111,7 +111,8 @@ impl Stencil {
         let ring0 = [1, 2].into_iter().chain(a1..=a2).collect();
         let ring1 = [2, 0, a2].into_iter().chain(a2 + 1..=a0).collect();
         let closing = (n2 > 3).then_some(a1);
-        let ring2 = [0, 1, a0].into_iter().chain(a0 + 1..a0 + n2.max(4) - 3).chain(closing).collect();
+        let ring2 =
+            [0, 1, a0].into_iter().chain(a0 + 1..a0 + n2.max(4) - 3).chain(closing).collect();
         [ring0, ring1, ring2]
     }
 }
@@ -122,7 +123,9 @@ mod tests {
 
     #[test]
     fn local_rings_have_the_lengths_of_the_valences() {
-        for valences in [[6, 6, 6], [4, 5, 7], [4, 4, 4], [9, 8, 4], [3, 5, 6], [5, 3, 4], [6, 7, 3]] {
+        for valences in
+            [[6, 6, 6], [4, 5, 7], [4, 4, 4], [9, 8, 4], [3, 5, 6], [5, 3, 4], [6, 7, 3]]
+        {
             let rings = Stencil::local_rings(valences);
             let largest = rings.iter().flatten().max();
             assert_eq!(largest, Some(&(Stencil::local_size(valences) - 1)));
@@ -133,8 +136,16 @@ mod tests {
     /// On an octahedron every stencil is the whole mesh.
     #[test]
     fn stencils_of_an_octahedron_hold_every_vertex() {
-        let triangles =
-            [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        let triangles = [
+            [0, 2, 4],
+            [2, 1, 4],
+            [1, 3, 4],
+            [3, 0, 4],
+            [2, 0, 5],
+            [1, 2, 5],
+            [3, 1, 5],
+            [0, 3, 5],
+        ];
         let rings = Rings::new(&triangles, 6);
         assert_eq!(rings.ring(4), [0, 2, 1, 3]);
         for triangle in triangles {

@@ -66,12 +66,24 @@ impl ShellMesh {
             return Err(Rejected::new(
                 Room::Mesh,
                 "clamp_holds_nothing",
-                format!("the clamp below z = {clamp_top:.3} mm holds {} vertices, fewer than 3", clamp.len()),
+                format!(
+                    "the clamp below z = {clamp_top:.3} mm holds {} vertices, fewer than 3",
+                    clamp.len()
+                ),
                 1.0,
             ));
         }
         let tip = vertices_where(&|z| z > top - settings.tip_fraction * length);
         let stencils = surface.triangles.iter().map(|&t| Stencil::new(t, &rings)).collect();
-        Ok(Self { surface, rings, stencils, thickness: settings.thickness, clamp, tip, base, length })
+        Ok(Self {
+            surface,
+            rings,
+            stencils,
+            thickness: settings.thickness,
+            clamp,
+            tip,
+            base,
+            length,
+        })
     }
 }

@@ -25,6 +25,7 @@ pub struct ShellModel {
     wall: LoopShell,
     chamber: ChamberPressure,
     planes: Vec<(PlaneContact, Slots)>,
+    planes_lifted: bool,
     wall_slots: Slots,
     assembler: Assembler,
     dirichlet: Dirichlet,
@@ -85,6 +86,7 @@ impl ShellModel {
         let (limit, facets) = samples(&mesh.stencils, &bases, &mesh.rings);
         Ok(Self {
             planes: planes.collect(),
+            planes_lifted: false,
             wall_slots,
             dirichlet: Dirichlet::new(assembler.pattern(), held),
             force_scale: material.shear_modulus() * mesh.thickness * element_size,
@@ -111,11 +113,28 @@ impl ShellModel {
         self.chamber.volume(&self.displaced(u))
     }
 
+    /// Takes the planes of the scene away, or puts them back; only [`Self::smallest_gap`] still sees lifted planes.
+    pub fn lift_planes(&mut self, lifted: bool) {
+        self.planes_lifted = lifted;
+    }
+
+    /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
+    #[must_use]
+    pub fn creased_share(&self) -> f64 {
+        self.wall.creased_share()
+    }
+
     /// The force with which the part presses on the planes of the scene, N.
     #[must_use]
     pub fn plane_force(&self, u: &[f64]) -> f64 {
+        if self.planes_lifted {
+            return 0.0;
+        }
         let positions = self.displaced(u);
-        self.planes.iter().map(|(plane, _)| plane.force(&positions)).sum()
+        self.planes
+            .iter()
+            .map(|(plane, _)| plane.force(&positions))
+            .fold(0.0, |sum, force| sum + force)
     }
 
     /// The smallest gap to a plane of the scene, mm; infinite without planes.
@@ -170,8 +189,10 @@ impl ShellModel {
         if self.chamber.pressure != 0.0 {
             energy += add(&self.chamber, &self.wall_slots)?;
         }
-        for (plane, slots) in &self.planes {
-            energy += add(plane, slots)?;
+        if !self.planes_lifted {
+            for (plane, slots) in &self.planes {
+                energy += add(plane, slots)?;
+            }
         }
         self.dirichlet.apply_to_residual(residual);
         if let Some(tangent) = tangent {
@@ -190,8 +211,10 @@ impl System for ShellModel {
         self.displace(u);
         let mut energy = self.assembler.energy(&self.wall, &self.positions)?;
         energy -= self.chamber.pressure * self.chamber.volume(&self.positions);
-        for (plane, _) in &self.planes {
-            energy += self.assembler.energy(plane, &self.positions)?;
+        if !self.planes_lifted {
+            for (plane, _) in &self.planes {
+                energy += self.assembler.energy(plane, &self.positions)?;
+            }
         }
         Ok(energy)
     }
@@ -210,7 +233,7 @@ impl System for ShellModel {
     }
 
     fn longest_step(&self, u: &[f64], du: &[f64]) -> f64 {
-        if self.planes.is_empty() {
+        if self.planes.is_empty() || self.planes_lifted {
             return 1.0;
         }
         let positions = self.displaced(u);

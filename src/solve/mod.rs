@@ -3,6 +3,7 @@
 //! Two solvers stand behind [`EquilibriumSolver`]: ours with `faer`, and PETSc's SNES with MUMPS.
 //! Both run the same line search on the energy, so that they walk through the same iterates.
 
+mod backend;
 mod factor;
 mod line_search;
 mod native;
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::system::System;
 
+pub use backend::Backend;
 pub use native::NativeSolver;
 pub use path::{Ending, Path, PathPoint, PathSettings, follow};
 #[cfg(feature = "petsc")]
@@ -105,7 +107,8 @@ pub trait EquilibriumSolver {
     /// Factorises the unshifted tangent at `x [n]` and returns its number of negative pivots.
     ///
     /// A singular tangent, as at a limit point, has more than [`System::stable_negative_pivots`]: at least one
-    /// direction is lost.
+    /// direction is lost. Where `x` is the solution that [`Self::solve`] just found, its last tangent may be used again:
+    /// the system must not have changed in between.
     ///
     /// # Errors
     /// [`SolverFailure`] when the library fails.

@@ -32,6 +32,8 @@ pub struct NativeSolver {
     direction: Vec<f64>,
     trial: Vec<f64>,
     trial_residual: Vec<f64>,
+    /// Where the last solve converged, while `entries` still holds the tangent there.
+    solution: Option<Vec<f64>>,
     linearized: bool,
     times: SolveTimes,
 }
@@ -64,6 +66,7 @@ impl NativeSolver {
             direction: vec![0.0; n],
             trial: vec![0.0; n],
             trial_residual: vec![0.0; n],
+            solution: None,
             linearized: false,
             times: SolveTimes { assembly: 0.0, factorization: cpu_seconds() - start },
         })
@@ -78,23 +81,18 @@ impl NativeSolver {
     ) -> NewtonEnding {
         let threshold = settings.tolerance * system.force_scale();
         let stable = system.stable_negative_pivots();
-        let Ok(mut energy) = system.residual(x, &mut self.residual) else {
+        let Some(mut energy) = self.assemble(system, x) else {
             return NewtonEnding::Inadmissible;
         };
-        if !all_finite(&self.residual) {
-            return NewtonEnding::Inadmissible;
-        }
+        mem::swap(&mut self.residual, &mut self.trial_residual);
         loop {
             report.residual_norm = dot(&self.residual, &self.residual).sqrt();
             if report.residual_norm <= threshold {
+                self.solution = Some(x.to_vec());
                 return NewtonEnding::Converged;
             }
             if report.iterations == settings.max_iterations {
                 return NewtonEnding::IterationLimit;
-            }
-            let made = system.tangent(x, &mut self.trial_residual, &mut self.entries);
-            if made.is_err() || !self.tangent_is_finite() {
-                return NewtonEnding::Inadmissible;
             }
             report.iterations += 1;
             let shift = self.find_direction(stable);
@@ -114,13 +112,24 @@ impl NativeSolver {
                     NewtonEnding::LineSearchFailed
                 };
             }
-            match system.residual(&self.trial, &mut self.trial_residual) {
-                Ok(trial_energy) if all_finite(&self.trial_residual) => energy = trial_energy,
-                _ => return NewtonEnding::Inadmissible,
-            }
+            let trial = mem::take(&mut self.trial);
+            let assembled = self.assemble(system, &trial);
+            self.trial = trial;
+            let Some(trial_energy) = assembled else {
+                return NewtonEnding::Inadmissible;
+            };
+            energy = trial_energy;
             x.copy_from_slice(&self.trial);
             mem::swap(&mut self.residual, &mut self.trial_residual);
         }
+    }
+
+    /// Puts the tangent at `x` into `entries` and the residual into `trial_residual`; the energy, where all are finite.
+    ///
+    /// One evaluation serves the convergence check, the next step, and [`EquilibriumSolver::linearize`].
+    fn assemble(&mut self, system: &mut Observed<'_>, x: &[f64]) -> Option<f64> {
+        let energy = system.tangent(x, &mut self.trial_residual, &mut self.entries).ok()?;
+        (all_finite(&self.trial_residual) && self.tangent_is_finite()).then_some(energy)
     }
 
     /// Solves for the direction with the smallest shift that leaves at most `stable` negative pivots; returns
@@ -172,6 +181,7 @@ impl EquilibriumSolver for NativeSolver {
     ) -> Result<NewtonReport, SolverFailure> {
         self.check_pattern(system.pattern());
         self.linearized = false;
+        self.solution = None;
         let mut system = Observed::new(system);
         let mut report = NewtonReport {
             ending: NewtonEnding::Inadmissible,
@@ -187,9 +197,11 @@ impl EquilibriumSolver for NativeSolver {
     fn linearize(&mut self, system: &mut dyn System, x: &[f64]) -> Result<usize, SolverFailure> {
         self.check_pattern(system.pattern());
         let start = cpu_seconds();
-        system
-            .tangent(x, &mut self.trial_residual, &mut self.entries)
-            .expect("linearize is called at an admissible state");
+        if self.solution.take().is_none_or(|solution| solution != x) {
+            system
+                .tangent(x, &mut self.trial_residual, &mut self.entries)
+                .expect("linearize is called at an admissible state");
+        }
         let assembled = cpu_seconds();
         let negative = self.factor.factorize(&self.entries);
         self.times.assembly += assembled - start;

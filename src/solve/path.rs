@@ -52,6 +52,21 @@ pub enum Ending {
     BudgetSpent,
 }
 
+impl Ending {
+    /// The ending as tables write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reached => "reached",
+            Self::LimitPoint => "limit_point",
+            Self::Unstable => "unstable",
+            Self::Inverted => "inverted",
+            Self::Stalled => "stalled",
+            Self::BudgetSpent => "budget_spent",
+        }
+    }
+}
+
 /// A stable equilibrium on a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathPoint {

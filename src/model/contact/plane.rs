@@ -39,6 +39,23 @@ pub struct PlaneSettings {
     pub stiffness: f64,
 }
 
+impl PlaneSettings {
+    /// A plane `distance` (mm) before the outermost point of `mesh`'s outer wall, its barrier fit for `pressure` (MPa).
+    ///
+    /// # Decisions
+    /// The barrier begins a tenth of the thickness before the plane, which is the error of the contact's
+    /// position; half that gap carries ten times the pressure.
+    #[must_use]
+    pub fn before(mesh: &ShellMesh, normal: Vec3, distance: f64, pressure: f64) -> Self {
+        let heights = mesh.surface.positions.iter().map(|x| normal.dot(x));
+        let outermost = heights.fold(f64::INFINITY, f64::min) - 0.5 * mesh.thickness;
+        let activation = 0.1 * mesh.thickness;
+        // -b'(h / 2) = (ln 2 + 1/2) h.
+        let stiffness = 10.0 * pressure / ((std::f64::consts::LN_2 + 0.5) * activation);
+        Self { normal: normal.into(), offset: outermost - distance, activation, stiffness }
+    }
+}
+
 /// The barrier between a shell's outer face and a rigid plane.
 #[derive(Clone, Debug)]
 pub struct PlaneContact {
@@ -89,7 +106,7 @@ impl PlaneContact {
                 0.0
             }
         };
-        (0..self.nodes.len()).map(sample_force).sum()
+        (0..self.nodes.len()).map(sample_force).fold(0.0, |sum, force| sum + force)
     }
 
     /// The largest part of the displacement `dx` that leaves every sample on its side of the plane, at most 1.

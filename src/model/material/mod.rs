@@ -10,8 +10,6 @@
 mod neo_hookean;
 mod ogden;
 
-use serde::{Deserialize, Serialize};
-
 pub use neo_hookean::NeoHookean;
 pub use ogden::{Ogden, OgdenTerm};
 
@@ -26,9 +24,8 @@ pub struct EnergyDensity {
     pub second: [f64; 3],
 }
 
-/// A hyperelastic law, as a run file names it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
+/// A hyperelastic law.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Material {
     /// [`NeoHookean`].
     NeoHookean(NeoHookean),
@@ -62,7 +59,7 @@ impl Material {
     pub fn shear_modulus(&self) -> f64 {
         match self {
             Self::NeoHookean(law) => law.mu,
-            Self::Ogden(law) => law.terms.iter().map(|term| term.mu).sum(),
+            Self::Ogden(law) => law.terms().map(|term| term.mu).sum(),
         }
     }
 }
@@ -87,11 +84,11 @@ mod tests {
         match law {
             Material::NeoHookean(law) => 0.5 * law.mu * (l1 * l1 + l2 * l2 + l3 * l3 - 3.0),
             Material::Ogden(law) => {
-                let term = |t: &OgdenTerm| {
+                let term = |t: OgdenTerm| {
                     let sum: f64 = [l1, l2, l3].iter().map(|l| l.powf(t.alpha)).sum();
                     2.0 * t.mu / (t.alpha * t.alpha) * (sum - 3.0)
                 };
-                law.terms.iter().map(term).sum()
+                law.terms().map(term).sum()
             }
         }
     }

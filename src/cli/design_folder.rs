@@ -1,0 +1,54 @@
+//! The files of one simulated design: surface, path, pictures.
+
+use std::path::Path;
+
+use crate::fitness::Observation;
+use crate::io::vtu::{Picture, Values, write_series};
+use crate::io::{OutputError, atomic, csv, stl};
+use crate::math::Vec3;
+use crate::mesh::ShellMesh;
+use crate::model::ShellModel;
+use crate::solve::PathPoint;
+use crate::surface::TriangleMesh;
+
+/// Writes the mid-surface at rest as `surface.stl`.
+pub(super) fn write_surface(folder: &Path, mesh: &ShellMesh) -> Result<(), OutputError> {
+    stl::write(&folder.join("surface.stl"), &mesh.surface)
+}
+
+/// Writes `<name>.csv`, and `<name>.pvd` with one deformed surface for each of `points`.
+pub(super) fn write_path(
+    folder: &Path,
+    name: &str,
+    mesh: &ShellMesh,
+    model: &ShellModel,
+    points: &[PathPoint],
+    rows: &[Observation],
+) -> Result<(), OutputError> {
+    csv::write(&folder.join(format!("{name}.csv")), rows)?;
+    let mut frames = Vec::with_capacity(points.len());
+    for (step, point) in points.iter().enumerate() {
+        let file = format!("{name}_{step:03}.vtu");
+        let displacement = model.vertex_displacements(&point.x);
+        let deformed = TriangleMesh {
+            positions: displaced(&mesh.surface.positions, &displacement),
+            triangles: mesh.surface.triangles.clone(),
+        };
+        Picture::new(&deformed)
+            .with_point_data("displacement_mm", Values::Vectors(&displacement))
+            .write(&folder.join(&file))?;
+        frames.push((point.load, file));
+    }
+    write_series(&folder.join(format!("{name}.pvd")), &frames)
+}
+
+/// Writes `value` as indented JSON.
+pub(super) fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> anyhow::Result<()> {
+    let mut text = serde_json::to_string_pretty(value)?;
+    text.push('\n');
+    Ok(atomic::write(path, text.as_bytes())?)
+}
+
+fn displaced(positions: &[Vec3], displacement: &[Vec3]) -> Vec<Vec3> {
+    positions.iter().zip(displacement).map(|(x, u)| x + u).collect()
+}

@@ -1,0 +1,259 @@
+//! `evolve`: the search, one generation after the other, each saved before the next begins.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::design_folder::{write_json, write_path, write_surface};
+use super::provenance::Provenance;
+use super::run_file::RunFile;
+use super::run_folder::{HistoryRow, Record, RunFolder, RunState};
+use super::say;
+use crate::batch::{Executor, Next, Panicked, Threads};
+use crate::evolve::{Candidate, Evaluation, Individual, Nsga2, hypervolume};
+use crate::fitness::{CandidateSettings, Outcome, StageSeconds, evaluate_network};
+use crate::genome::Genome;
+use crate::io::atomic;
+use crate::math::{Rejected, Room};
+use crate::solve::{Backend, SolverFailure};
+
+/// Both objectives are made large: the search minimises their negatives, which this reference bounds.
+const REFERENCE: [f64; 2] = [0.0, 0.0];
+
+/// Runs the search of the run file at `path` in the folder `out`.
+pub(super) fn run(
+    path: &Path,
+    out: &Path,
+    resume: bool,
+    threads: usize,
+    solver: Option<Backend>,
+) -> anyhow::Result<()> {
+    let run = RunFile::read(path, solver)?;
+    let mut search = Search::begin(&run, out, resume)?;
+    // PETSc solves one system at a time in a process: more threads would only wait.
+    let threads = if run.solver.backend == Backend::Petsc { 1 } else { threads };
+    let executor = Threads::new(threads)?;
+    while !search.nsga2.is_finished() {
+        search.advance(&executor)?;
+    }
+    let table = search.folder.write_results(&search.nsga2, &search.history, &search.records)?;
+    search.write_front_members(&executor)?;
+    say(&table);
+    say(&search.rejection_summary());
+    say(&format!("figures, front and designs are in {}", out.display()));
+    Ok(())
+}
+
+/// What an executor returns for one candidate.
+type Finished = Result<Result<Record, SolverFailure>, Panicked>;
+
+/// A run between two generations.
+struct Search {
+    settings: CandidateSettings,
+    nsga2: Nsga2,
+    history: Vec<HistoryRow>,
+    records: Vec<Record>,
+    folder: RunFolder,
+}
+
+impl Search {
+    fn begin(run: &RunFile, out: &Path, resume: bool) -> anyhow::Result<Self> {
+        let settings = run.candidate_settings()?;
+        if !resume {
+            let nsga2 = Nsga2::new(run.evolution.clone(), run.gene_bounds()?, REFERENCE.len())?;
+            let folder = RunFolder::create(out, run)?;
+            write_json(&folder.file("provenance.json"), &Provenance::of_this_process())?;
+            return Ok(Self { settings, nsga2, history: Vec::new(), records: Vec::new(), folder });
+        }
+        let folder = RunFolder::open(out)?;
+        folder.check_same(run)?;
+        let (state, damaged) = folder.load()?;
+        for line in damaged {
+            say(&format!("{line}; the checkpoint before it is used"));
+        }
+        let (nsga2, history) = match state {
+            Some(mut state) => {
+                state.search.settings.generations = run.evolution.generations;
+                (Nsga2::resume(state.search)?, state.history)
+            }
+            None => (
+                Nsga2::new(run.evolution.clone(), run.gene_bounds()?, REFERENCE.len())?,
+                Vec::new(),
+            ),
+        };
+        let records = folder.records_to_resume(nsga2.generation())?;
+        say(&format!(
+            "resumed after generation {} of {}",
+            nsga2.generation(),
+            run.evolution.generations
+        ));
+        Ok(Self { settings, nsga2, history, records, folder })
+    }
+
+    fn advance(&mut self, executor: &Threads) -> anyhow::Result<()> {
+        let candidates = self.nsga2.ask();
+        let records = self.evaluate(&candidates, executor)?;
+        self.nsga2.tell(records.iter().map(evaluation).collect());
+        self.folder.append(&records)?;
+        self.history.push(self.history_row(&records));
+        self.records.extend(records);
+        let state = RunState { search: self.nsga2.checkpoint(), history: self.history.clone() };
+        self.folder.save(&state)?;
+        Ok(())
+    }
+
+    fn evaluate(
+        &self,
+        candidates: &[Candidate],
+        executor: &Threads,
+    ) -> anyhow::Result<Vec<Record>> {
+        let generation = self.nsga2.generation();
+        let bar = progress_bar(generation, self.nsga2.settings().generations, candidates.len());
+        let mut failed = false;
+        let outcomes = executor.evaluate(
+            candidates,
+            &|candidate: &Candidate| evaluate_candidate(candidate, &self.settings),
+            &mut |_, outcome| {
+                bar.inc(1);
+                failed |= matches!(outcome, Ok(Err(_)));
+                if failed { Next::Stop } else { Next::Continue }
+            },
+        );
+        bar.finish_and_clear();
+        let outcomes = outcomes
+            .map_err(|_| anyhow!("a solver library failed; the generations before are saved"))?;
+        let record = |(candidate, outcome): (&Candidate, Finished)| match outcome {
+            Ok(finished) => finished.map_err(anyhow::Error::from),
+            Err(panicked) => Ok(Record {
+                id: candidate.id,
+                genome: candidate.genome.clone(),
+                outcome: Outcome::Rejected(Rejected::new(
+                    Room::Genome,
+                    "program_defect",
+                    panicked.to_string(),
+                    f64::MAX,
+                )),
+                cpu_seconds: StageSeconds::default(),
+            }),
+        };
+        candidates.iter().zip(outcomes).map(record).collect()
+    }
+
+    fn history_row(&self, records: &[Record]) -> HistoryRow {
+        let front = self.nsga2.front();
+        let objectives: Vec<[f64; 2]> = front
+            .iter()
+            .map(|individual| {
+                [individual.evaluation.objectives[0], individual.evaluation.objectives[1]]
+            })
+            .collect();
+        let best = |k: usize| objectives.iter().map(|o| -o[k]).fold(0.0, f64::max);
+        let row = HistoryRow {
+            generation: self.nsga2.generation() - 1,
+            evaluated: records.len(),
+            feasible: records.iter().filter(|r| matches!(r.outcome, Outcome::Evaluated(_))).count(),
+            front: front.len(),
+            hypervolume: hypervolume(&objectives, REFERENCE),
+            best_bending: best(0),
+            best_blocking: best(1),
+        };
+        say(&format!(
+            "generation {:3} of {}: {:3} of {} feasible, {:2} on the front, best F_c {:.4}, best F_bf {:.5} N/kPa, hypervolume {:.4e}",
+            row.generation + 1,
+            self.nsga2.settings().generations,
+            row.feasible,
+            row.evaluated,
+            row.front,
+            row.best_bending,
+            row.best_blocking,
+            row.hypervolume
+        ));
+        row
+    }
+
+    /// Computes the members of the front again and writes genome, surface, paths and pictures of each.
+    fn write_front_members(&self, executor: &Threads) -> anyhow::Result<()> {
+        let front: Vec<&Individual> = self.nsga2.front();
+        let bar = progress_bar(self.nsga2.generation(), self.nsga2.generation(), front.len());
+        bar.set_message("writing the front");
+        let written = executor.evaluate(
+            &front,
+            &|individual: &&Individual| self.write_member(individual),
+            &mut |_, _| {
+                bar.inc(1);
+                Next::Continue
+            },
+        );
+        bar.finish_and_clear();
+        for outcome in written.map_err(|_| anyhow!("the front was not written"))? {
+            outcome??;
+        }
+        Ok(())
+    }
+
+    fn write_member(&self, individual: &Individual) -> anyhow::Result<()> {
+        let folder = self.folder.path().join("front").join(individual.id.to_string());
+        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        let network = Genome::try_from(individual.genome.clone())?.decode();
+        atomic::write(&folder.join("genome.toml"), network.to_toml().as_bytes())?;
+        let candidate = evaluate_network(&network, &self.settings)?;
+        let (Some(mesh), Some(scenarios)) = (candidate.mesh, candidate.scenarios) else {
+            anyhow::bail!("{} was evaluated before and fails now", individual.id);
+        };
+        write_surface(&folder, &mesh)?;
+        let model = &scenarios.model;
+        write_path(&folder, "path", &mesh, model, &scenarios.free.points, &scenarios.free_rows)?;
+        let (points, rows) = (&scenarios.blocked.points, &scenarios.blocked_rows);
+        write_path(&folder, "path_blocked", &mesh, model, points, rows)?;
+        Ok(())
+    }
+
+    fn rejection_summary(&self) -> String {
+        let mut counts = std::collections::BTreeMap::new();
+        for record in &self.records {
+            if let Outcome::Rejected(rejected) = &record.outcome {
+                *counts.entry(format!("{:?}/{}", rejected.room, rejected.reason)).or_insert(0) += 1;
+            }
+        }
+        let seconds: f64 = self.records.iter().map(|record| record.cpu_seconds.total()).sum();
+        let causes: Vec<String> =
+            counts.iter().map(|(cause, count)| format!("{cause} {count}")).collect();
+        let causes = if causes.is_empty() { "none".to_owned() } else { causes.join(", ") };
+        format!(
+            "{} candidates in {seconds:.1} core-seconds; rejected: {causes}",
+            self.records.len()
+        )
+    }
+}
+
+fn evaluate_candidate(
+    candidate: &Candidate,
+    settings: &CandidateSettings,
+) -> Result<Record, SolverFailure> {
+    let genome =
+        Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
+    let evaluated = evaluate_network(&genome.decode(), settings)?;
+    Ok(Record {
+        id: candidate.id,
+        genome: candidate.genome.clone(),
+        outcome: evaluated.outcome,
+        cpu_seconds: evaluated.seconds,
+    })
+}
+
+fn evaluation(record: &Record) -> Evaluation {
+    match &record.outcome {
+        Outcome::Evaluated(e) => Evaluation::feasible(vec![-e.bending, -e.blocking]),
+        rejected @ Outcome::Rejected(_) => Evaluation::infeasible(rejected.constraint_violation()),
+    }
+}
+
+fn progress_bar(generation: usize, generations: usize, candidates: usize) -> ProgressBar {
+    let style =
+        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} [{elapsed}, {eta} left]");
+    let bar = ProgressBar::new(candidates as u64);
+    bar.set_style(style.expect("the template is valid"));
+    bar.set_message(format!("generation {} of {generations}", generation + 1));
+    bar
+}

@@ -1,0 +1,75 @@
+//! `[material]` of a run or scene file: a preset, or a law with its numbers.
+
+use anyhow::{Context, bail};
+use serde::{Deserialize, Serialize};
+
+use crate::model::material::{Material, NeoHookean, Ogden, OgdenTerm};
+
+/// What a file says about the material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialSection {
+    /// `ninjaflex-c2s` or `ninjaflex-yap2016`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    preset: Option<String>,
+    /// `neo-hookean` or `ogden`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    law: Option<String>,
+    /// Shear modulus of the neo-Hookean law, MPa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mu: Option<f64>,
+    /// Terms of the Ogden law in Abaqus' convention, MPa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    terms: Option<Vec<OgdenTerm>>,
+}
+
+impl Default for MaterialSection {
+    fn default() -> Self {
+        Self { preset: Some("ninjaflex-c2s".to_owned()), law: None, mu: None, terms: None }
+    }
+}
+
+impl MaterialSection {
+    pub(super) fn material(&self) -> anyhow::Result<Material> {
+        match (self.preset.as_deref(), self.law.as_deref(), self.mu, &self.terms) {
+            (Some("ninjaflex-c2s"), None, None, None) => {
+                Ok(Material::Ogden(Ogden::ninjaflex_c2s()))
+            }
+            (Some("ninjaflex-yap2016"), None, None, None) => {
+                Ok(Material::Ogden(Ogden::ninjaflex_yap2016()))
+            }
+            (Some(preset), None, None, None) => {
+                bail!(
+                    "[material] has no preset `{preset}`; it has ninjaflex-c2s and ninjaflex-yap2016"
+                )
+            }
+            (None, Some("neo-hookean"), Some(mu), None) => {
+                positive("[material] mu", mu)?;
+                Ok(Material::NeoHookean(NeoHookean { mu }))
+            }
+            (None, Some("ogden"), None, Some(terms)) => {
+                let modulus: f64 = terms.iter().map(|term| term.mu).sum();
+                positive("the sum of mu over the [material] terms", modulus)?;
+                if terms.iter().any(|term| term.alpha == 0.0 || !term.alpha.is_finite()) {
+                    bail!("[material] terms: alpha must be a number other than 0");
+                }
+                Ok(Material::Ogden(Ogden::new(terms)))
+            }
+            (None, Some(law), ..) if law != "neo-hookean" && law != "ogden" => {
+                bail!(
+                    "[material] has no law `{law}`; it has neo-hookean (with mu) and ogden (with terms)"
+                )
+            }
+            _ => bail!(
+                "[material] wants either `preset`, or `law = \"neo-hookean\"` with `mu`, or `law = \"ogden\"` with `terms`"
+            ),
+        }
+    }
+}
+
+/// Checks that `value` is a positive number.
+pub(super) fn positive(what: &str, value: f64) -> anyhow::Result<f64> {
+    (value > 0.0 && value.is_finite())
+        .then_some(value)
+        .with_context(|| format!("{what} is {value}, but it must be a positive number"))
+}

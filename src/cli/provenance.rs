@@ -1,0 +1,33 @@
+//! Where a result came from: program, commit, libraries, command.
+
+use serde::Serialize;
+
+/// What a run folder tells about the program that made it.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Provenance {
+    program: &'static str,
+    version: &'static str,
+    commit: &'static str,
+    rustc: &'static str,
+    target: &'static str,
+    profile: &'static str,
+    petsc: &'static str,
+    /// The words of the command line.
+    command: Vec<String>,
+}
+
+impl Provenance {
+    /// Of this process.
+    pub(super) fn of_this_process() -> Self {
+        Self {
+            program: env!("CARGO_PKG_NAME"),
+            version: env!("CARGO_PKG_VERSION"),
+            commit: env!("PNEUMORPH_COMMIT"),
+            rustc: env!("PNEUMORPH_RUSTC"),
+            target: env!("PNEUMORPH_TARGET"),
+            profile: env!("PNEUMORPH_PROFILE"),
+            petsc: env!("PNEUMORPH_PETSC"),
+            command: std::env::args().collect(),
+        }
+    }
+}

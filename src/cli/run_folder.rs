@@ -1,0 +1,192 @@
+//! The folder of a run: what `evolve` writes, and `--resume` and `report` read.
+//!
+//! ```text
+//! run.toml  provenance.json  checkpoints/  candidates.jsonl  history.csv
+//! front.csv  front.svg  front.png  history.svg  history.png
+//! front/<id>/  genome.toml  surface.stl  path.csv  path_blocked.csv  *.vtu  *.pvd
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::run_file::RunFile;
+use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
+use crate::fitness::{Outcome, StageSeconds};
+use crate::io::{OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
+use crate::report::{FrontPoint, HistoryPoint, front_svg, front_table, history_svg, png};
+
+/// One line of `candidates.jsonl`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Record {
+    pub id: IndividualId,
+    pub genome: Vec<f64>,
+    #[serde(flatten)]
+    pub outcome: Outcome,
+    pub cpu_seconds: StageSeconds,
+}
+
+/// One row of `history.csv`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct HistoryRow {
+    pub generation: usize,
+    pub evaluated: usize,
+    pub feasible: usize,
+    pub front: usize,
+    pub hypervolume: f64,
+    pub best_bending: f64,
+    pub best_blocking: f64,
+}
+
+/// What a checkpoint holds.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct RunState {
+    pub search: Checkpoint,
+    pub history: Vec<HistoryRow>,
+}
+
+/// Scale of the PNG figures over the SVG's pixels.
+const PNG_SCALE: f32 = 2.0;
+
+/// A run folder.
+pub(super) struct RunFolder {
+    folder: OutputFolder,
+}
+
+impl RunFolder {
+    /// A new folder for `run`.
+    pub(super) fn create(path: &Path, run: &RunFile) -> anyhow::Result<Self> {
+        let folder = OutputFolder::create_new(path)?;
+        atomic::write(&folder.file("run.toml"), toml::to_string(run)?.as_bytes())?;
+        Ok(Self { folder })
+    }
+
+    /// The folder of an earlier run.
+    pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
+        let folder = OutputFolder::open(path)?;
+        ensure!(
+            folder.file("run.toml").is_file(),
+            "{} is not the folder of a run: it has no run.toml",
+            path.display()
+        );
+        Ok(Self { folder })
+    }
+
+    /// The run file that the folder was made with.
+    pub(super) fn run_file(&self) -> anyhow::Result<RunFile> {
+        Ok(toml_file::read(&self.folder.file("run.toml"))?)
+    }
+
+    /// Refuses to go on with other settings; only more generations may be asked for.
+    pub(super) fn check_same(&self, run: &RunFile) -> anyhow::Result<()> {
+        let mut old = self.run_file()?;
+        old.evolution.generations = run.evolution.generations;
+        ensure!(
+            old == *run,
+            "{} was made with other settings; resume it with its own run.toml, or choose another folder",
+            self.folder.path().display()
+        );
+        Ok(())
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    pub(super) fn file(&self, name: &str) -> std::path::PathBuf {
+        self.folder.file(name)
+    }
+
+    /// The last complete checkpoint, and a line for each damaged one that was passed over.
+    pub(super) fn load(&self) -> anyhow::Result<(Option<RunState>, Vec<String>)> {
+        let Some(found) = checkpoint::load_latest::<RunState>(&self.checkpoints()?)? else {
+            return Ok((None, Vec::new()));
+        };
+        let damaged = found.damaged.iter().map(ToString::to_string).collect();
+        Ok((Some(found.state), damaged))
+    }
+
+    pub(super) fn save(&self, state: &RunState) -> anyhow::Result<()> {
+        let generation = state.search.generation as u64;
+        Ok(checkpoint::save(&self.checkpoints()?, generation, state)?)
+    }
+
+    fn checkpoints(&self) -> anyhow::Result<std::path::PathBuf> {
+        Ok(self.folder.subfolder("checkpoints")?)
+    }
+
+    /// The records of the generations before `generation`.
+    pub(super) fn records(&self, generation: usize) -> anyhow::Result<Vec<Record>> {
+        let path = self.file("candidates.jsonl");
+        let mut records: Vec<Record> = if path.exists() { jsonl::read(&path)? } else { Vec::new() };
+        records.retain(|record| record.id.generation < generation);
+        Ok(records)
+    }
+
+    /// As [`Self::records`]; what a killed run wrote of a later generation is removed from the file.
+    pub(super) fn records_to_resume(&self, generation: usize) -> anyhow::Result<Vec<Record>> {
+        let records = self.records(generation)?;
+        jsonl::write(&self.file("candidates.jsonl"), &records)?;
+        Ok(records)
+    }
+
+    pub(super) fn append(&self, records: &[Record]) -> anyhow::Result<()> {
+        let mut log = jsonl::JsonLog::open(&self.file("candidates.jsonl"))?;
+        records.iter().try_for_each(|record| log.append(record)).context("candidates.jsonl")
+    }
+
+    /// Writes tables and figures of what the run has found; returns the table for the terminal.
+    pub(super) fn write_results(
+        &self,
+        search: &Nsga2,
+        history: &[HistoryRow],
+        records: &[Record],
+    ) -> anyhow::Result<String> {
+        let front = front_points(&search.front(), records);
+        csv::write(&self.file("history.csv"), history)?;
+        csv::write(&self.file("front.csv"), &front)?;
+        let svg = front_svg(&front, &evaluated_objectives(records));
+        self.write_figure("front", &svg)?;
+        let points: Vec<HistoryPoint> = history
+            .iter()
+            .map(|row| HistoryPoint {
+                generation: row.generation as u64,
+                hypervolume: row.hypervolume,
+                feasible_share: row.feasible as f64 / row.evaluated as f64,
+            })
+            .collect();
+        self.write_figure("history", &history_svg(&points))?;
+        Ok(front_table(&front))
+    }
+
+    fn write_figure(&self, name: &str, svg: &str) -> anyhow::Result<()> {
+        atomic::write(&self.file(&format!("{name}.svg")), svg.as_bytes())?;
+        Ok(atomic::write(&self.file(&format!("{name}.png")), &png(svg, PNG_SCALE))?)
+    }
+}
+
+fn front_points(front: &[&Individual], records: &[Record]) -> Vec<FrontPoint> {
+    let by_id: BTreeMap<IndividualId, &Record> =
+        records.iter().map(|record| (record.id, record)).collect();
+    let point = |individual: &&Individual| match by_id.get(&individual.id)?.outcome {
+        Outcome::Evaluated(evaluation) => Some(FrontPoint {
+            id: individual.id.to_string(),
+            bending: evaluation.bending,
+            blocking: evaluation.blocking,
+            figure_of_merit: evaluation.figure_of_merit,
+            max_force: evaluation.max_force,
+        }),
+        Outcome::Rejected(_) => None,
+    };
+    front.iter().filter_map(point).collect()
+}
+
+fn evaluated_objectives(records: &[Record]) -> Vec<[f64; 2]> {
+    let objectives = |record: &Record| match record.outcome {
+        Outcome::Evaluated(evaluation) => Some([evaluation.bending, evaluation.blocking]),
+        Outcome::Rejected(_) => None,
+    };
+    records.iter().filter_map(objectives).collect()
+}

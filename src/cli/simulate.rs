@@ -1,0 +1,168 @@
+//! `simulate`: one part under pressure.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use serde::Serialize;
+
+use super::design_folder::{write_json, write_path, write_surface};
+use super::provenance::Provenance;
+use super::say;
+use super::scene_file::{PartSource, SceneFile};
+use crate::field::{CappedField, CompiledNetwork};
+use crate::fitness::{StageSeconds, observations};
+use crate::genome::Network;
+use crate::io::{OutputFolder, stl};
+use crate::math::{Vec3, cpu_seconds};
+use crate::mesh::{ShellMesh, shell_of_field};
+use crate::model::contact::PlaneSettings;
+use crate::model::system::System;
+use crate::model::{ShellModel, Support};
+use crate::solve::{Backend, Ending, follow};
+use crate::surface::{SurfaceQuality, intersecting_pairs};
+
+/// `summary.json`: the last state of the path, and what it took.
+#[derive(Debug, Serialize)]
+struct Summary {
+    /// Mean displacement of the tip set, mm.
+    tip: [f64; 3],
+    max_displacement: f64,
+    angle_deg: f64,
+    tangent_angle_deg: f64,
+    /// MPa.
+    pressure: f64,
+    /// Enclosed by the mid-surface, mm^3.
+    volume_initial: f64,
+    volume_final: f64,
+    /// mJ.
+    work: f64,
+    stored_energy: f64,
+    /// N.
+    plane_force: f64,
+    ending: Ending,
+    newton_iterations: usize,
+    unknowns: usize,
+    /// Share of the wall whose bending is softened at creases.
+    creased_share: f64,
+    solver: Backend,
+    cpu_seconds: StageSeconds,
+    surface: SurfaceQuality,
+    provenance: Provenance,
+}
+
+/// Runs the scene at `path` and writes its results into the new folder `out`.
+pub(super) fn run(
+    path: &Path,
+    out: &Path,
+    solver: Option<Backend>,
+    json: bool,
+) -> anyhow::Result<()> {
+    let start = cpu_seconds();
+    let scene = SceneFile::read(path, solver)?;
+    let mesh = shell(&scene, path)?;
+    let surface = SurfaceQuality::of(&mesh.surface)?;
+    let meshing = cpu_seconds() - start;
+
+    let planes: Vec<PlaneSettings> = scene
+        .planes
+        .iter()
+        .map(|plane| {
+            let normal = Vec3::from(plane.normal).normalize();
+            PlaneSettings::before(&mesh, normal, plane.distance, scene.load.pressure)
+        })
+        .collect();
+    let mut model = ShellModel::new(&mesh, &scene.material.material()?, &Support::Clamp, &planes)
+        .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
+    let folder = OutputFolder::create_new(out)?;
+    let mut solver = scene.solver.backend.solver(model.pattern())?;
+    let walked =
+        follow(&mut model, solver.as_mut(), scene.load.pressure, Vec::new(), &scene.load.path)?;
+    let rows = observations(&mesh, &model, &walked.points);
+    let last = rows.last().context("the part is not stable at rest")?;
+    let times = solver.times();
+    let summary = Summary {
+        tip: [last.tip_x, last.tip_y, last.tip_z],
+        max_displacement: last.max_displacement,
+        angle_deg: last.angle_deg,
+        tangent_angle_deg: last.tangent_angle_deg,
+        pressure: last.pressure,
+        volume_initial: rows[0].volume,
+        volume_final: last.volume,
+        work: last.work,
+        stored_energy: last.stored_energy,
+        plane_force: last.plane_force,
+        ending: walked.ending,
+        newton_iterations: rows.iter().map(|row| row.newton_iterations).sum(),
+        unknowns: model.unknowns(),
+        creased_share: model.creased_share(),
+        solver: scene.solver.backend,
+        cpu_seconds: StageSeconds {
+            meshing,
+            assembly: times.assembly,
+            factorization: times.factorization,
+            rest: cpu_seconds() - start - meshing - times.assembly - times.factorization,
+        },
+        surface,
+        provenance: Provenance::of_this_process(),
+    };
+    write_surface(folder.path(), &mesh)?;
+    write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
+    write_json(&folder.file("summary.json"), &summary)?;
+    say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });
+    Ok(())
+}
+
+fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
+    let made = match scene.source(path)? {
+        PartSource::Network(file) => {
+            let network = read_network(&file)?;
+            let field = CappedField::new(
+                CompiledNetwork::new(&network),
+                scene.design_box,
+                scene.mesh.rim_radius,
+            )?;
+            shell_of_field(&field, &scene.mesh, &scene.wall)
+                .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))?
+        }
+        PartSource::Stl(file) => {
+            let surface = stl::read(&file, stl::WELD_TOLERANCE)?;
+            let name = file.display();
+            surface.check_closed_manifold().with_context(|| name.to_string())?;
+            let crossings = intersecting_pairs(&surface).len();
+            anyhow::ensure!(
+                crossings == 0,
+                "{name}: {crossings} pairs of triangles pass through each other"
+            );
+            ShellMesh::new(surface, &scene.wall)
+                .map_err(|rejected| anyhow!("{name}: {rejected}"))?
+        }
+    };
+    Ok(made)
+}
+
+/// Reads a network file.
+pub(super) fn read_network(path: &Path) -> anyhow::Result<Network> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    text.parse().with_context(|| path.display().to_string())
+}
+
+impl Summary {
+    fn in_words(&self, out: &Path) -> String {
+        let ending = self.ending.name().replace('_', " ");
+        let [x, y, z] = self.tip;
+        format!(
+            "{ending} at {:.4} MPa: tip moved by ({x:+.3}, {y:+.3}, {z:+.3}) mm, chord {:.2} deg, volume {:.1} -> {:.1} mm^3, plane force {:.3} N\n\
+             {} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
+            self.pressure,
+            self.angle_deg,
+            self.volume_initial,
+            self.volume_final,
+            self.plane_force,
+            self.unknowns,
+            self.newton_iterations,
+            self.cpu_seconds.total(),
+            self.solver,
+            out.display()
+        )
+    }
+}

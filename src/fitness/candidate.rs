@@ -1,0 +1,102 @@
+//! From a network to its outcome: all rooms in a row.
+
+use super::evaluate::{FitnessSettings, LoadSettings, Scenarios, evaluate};
+use super::outcome::{Outcome, StageSeconds};
+use crate::field::{CappedField, CompiledNetwork, DesignBox};
+use crate::genome::Network;
+use crate::math::{Rejected, cpu_seconds};
+use crate::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
+use crate::model::material::Material;
+use crate::solve::{Backend, SolverFailure};
+
+/// Everything that decides a candidate's outcome besides its network.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CandidateSettings {
+    /// Where the chamber may be, mm.
+    pub design_box: DesignBox,
+    /// How finely it is meshed.
+    pub mesh: MeshSettings,
+    /// Its wall.
+    pub wall: ShellSettings,
+    /// What the wall is made of.
+    pub material: Material,
+    /// How it is loaded.
+    pub load: LoadSettings,
+    /// What is asked of it.
+    pub fitness: FitnessSettings,
+    /// Which library solves.
+    pub backend: Backend,
+}
+
+/// A candidate's outcome, its scenarios where there are any, and its cost.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// What became of it.
+    pub outcome: Outcome,
+    /// The shell, once there is one.
+    pub mesh: Option<ShellMesh>,
+    /// Both walked scenarios, when it was evaluated.
+    pub scenarios: Option<Scenarios>,
+    /// CPU seconds.
+    pub seconds: StageSeconds,
+}
+
+/// The shell that a network encloses.
+///
+/// # Errors
+/// [`Rejected`] when it is no chamber or cannot be meshed.
+///
+/// # Panics
+/// When the rim radius does not fit the design box: check the settings first with [`CappedField::new`].
+pub fn shell_of_network(
+    network: &Network,
+    settings: &CandidateSettings,
+) -> Result<ShellMesh, Rejected> {
+    let compiled = CompiledNetwork::new(network);
+    let field = CappedField::new(compiled, settings.design_box, settings.mesh.rim_radius)
+        .expect("the settings were checked");
+    shell_of_field(&field, &settings.mesh, &settings.wall)
+}
+
+/// Builds and evaluates one network.
+///
+/// # Errors
+/// [`SolverFailure`] when a library fails.
+pub fn evaluate_network(
+    network: &Network,
+    settings: &CandidateSettings,
+) -> Result<Candidate, SolverFailure> {
+    let start = cpu_seconds();
+    let shell = shell_of_network(network, settings);
+    let mut seconds = StageSeconds { meshing: cpu_seconds() - start, ..Default::default() };
+    let rejected = |rejected, mesh, seconds| Candidate {
+        outcome: Outcome::Rejected(rejected),
+        mesh,
+        scenarios: None,
+        seconds,
+    };
+    let mesh = match shell {
+        Ok(mesh) => mesh,
+        Err(reason) => return Ok(rejected(reason, None, seconds)),
+    };
+    let CandidateSettings { material, load, fitness, backend, .. } = settings;
+    let evaluated = evaluate(&mesh, material, load, fitness, *backend)?;
+    let total = cpu_seconds() - start;
+    match evaluated {
+        Err(reason) => {
+            seconds.rest = total - seconds.meshing;
+            Ok(rejected(reason, Some(mesh), seconds))
+        }
+        Ok((evaluation, scenarios)) => {
+            seconds.assembly = scenarios.times.assembly;
+            seconds.factorization = scenarios.times.factorization;
+            seconds.rest = total - seconds.meshing - seconds.assembly - seconds.factorization;
+            Ok(Candidate {
+                outcome: Outcome::Evaluated(evaluation),
+                mesh: Some(mesh),
+                scenarios: Some(scenarios),
+                seconds,
+            })
+        }
+    }
+}

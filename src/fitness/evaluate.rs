@@ -1,0 +1,156 @@
+//! The two scenarios of Smith et al. (2022) on one shell.
+//!
+//! Bending: clamped at the base, pressure rising, nothing in the way. Blocking: the same, with a rigid plane at a
+//! distance from the outer wall. Until the part comes near the plane both are one path, which is walked once.
+
+use serde::{Deserialize, Serialize};
+
+use super::objective::{bending, blocking, figure_of_merit};
+use super::observation::{Observation, observations};
+use crate::math::{Rejected, Room, Vec3};
+use crate::mesh::ShellMesh;
+use crate::model::contact::PlaneSettings;
+use crate::model::material::Material;
+use crate::model::system::System;
+use crate::model::{ShellModel, Support};
+use crate::solve::{Backend, Ending, Path, PathSettings, SolveTimes, SolverFailure, follow};
+
+/// The loading programme.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LoadSettings {
+    /// Largest chamber pressure, MPa.
+    pub pressure: f64,
+    /// How the path is walked.
+    pub path: PathSettings,
+}
+
+impl Default for LoadSettings {
+    fn default() -> Self {
+        Self { pressure: 0.2, path: PathSettings::default() }
+    }
+}
+
+/// What the objectives ask.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitnessSettings {
+    /// Exponent of the work in `F_c`.
+    pub exponent: f64,
+    /// Normal of the blocking plane, pointing towards the part.
+    pub plane_normal: [f64; 3],
+    /// Distance of the plane from the outermost point of the outer wall at rest, mm.
+    pub plane_distance: f64,
+}
+
+impl Default for FitnessSettings {
+    /// The plane 5 mm from the -x side, to which the published seed bends.
+    fn default() -> Self {
+        Self { exponent: 3.0, plane_normal: [1.0, 0.0, 0.0], plane_distance: 5.0 }
+    }
+}
+
+/// The objectives of one design, and the figures beside them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// `F_c`, rad / (m J)^(1/exponent).
+    pub bending: f64,
+    /// `F_bf`, N/kPa.
+    pub blocking: f64,
+    /// Tangent angle over pressure and length at the largest pressure, deg/(kPa m).
+    pub figure_of_merit: f64,
+    /// Largest force on the plane, N.
+    pub max_force: f64,
+    /// Chord angle at the largest pressure, degrees.
+    pub angle_deg: f64,
+    /// Unknowns of the model.
+    pub unknowns: usize,
+    /// Newton iterations of both scenarios.
+    pub newton_iterations: usize,
+    /// Newton iterations with an indefinite tangent: above 0 the design came near an instability.
+    pub indefinite_iterations: usize,
+}
+
+/// Both walked scenarios.
+#[derive(Clone, Debug)]
+pub struct Scenarios {
+    /// The model, planes in place.
+    pub model: ShellModel,
+    /// Bending freely.
+    pub free: Path,
+    /// Pressing on the plane; the free path where the part never comes near it.
+    pub blocked: Path,
+    /// Rows of the free path.
+    pub free_rows: Vec<Observation>,
+    /// Rows of the blocked path.
+    pub blocked_rows: Vec<Observation>,
+    /// CPU seconds of the solver.
+    pub times: SolveTimes,
+}
+
+/// Walks both scenarios on `mesh`.
+///
+/// # Errors
+/// [`SolverFailure`] when a library fails. A design that fails is the inner [`Rejected`].
+pub fn evaluate(
+    mesh: &ShellMesh,
+    material: &Material,
+    load: &LoadSettings,
+    fitness: &FitnessSettings,
+    backend: Backend,
+) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
+    let normal = Vec3::from(fitness.plane_normal).normalize();
+    let plane = PlaneSettings::before(mesh, normal, fitness.plane_distance, load.pressure);
+    let mut model = match ShellModel::new(mesh, material, &Support::Clamp, &[plane]) {
+        Ok(model) => model,
+        Err(rejected) => return Ok(Err(rejected)),
+    };
+    let mut solver = backend.solver(model.pattern())?;
+    model.lift_planes(true);
+    let free = follow(&mut model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
+    if let Some(rejected) = cut_short(&free, load.pressure, "bending") {
+        return Ok(Err(rejected));
+    }
+    let free_rows = observations(mesh, &model, &free.points);
+    let touching = free.points.iter().position(|p| model.smallest_gap(&p.x) < plane.activation);
+    model.lift_planes(false);
+    let blocked = match touching {
+        None => free.clone(),
+        Some(first) => {
+            let common = free.points[..first].to_vec();
+            follow(&mut model, solver.as_mut(), load.pressure, common, &load.path)?
+        }
+    };
+    if let Some(rejected) = cut_short(&blocked, load.pressure, "blocking") {
+        return Ok(Err(rejected));
+    }
+    let blocked_rows = observations(mesh, &model, &blocked.points);
+    let own_rows = free_rows.iter().chain(&blocked_rows[touching.unwrap_or(blocked_rows.len())..]);
+    let evaluation = Evaluation {
+        bending: bending(&free_rows, mesh.length, fitness.exponent),
+        blocking: blocking(&blocked_rows),
+        figure_of_merit: figure_of_merit(&free_rows, mesh.length),
+        max_force: blocked_rows.iter().map(|row| row.plane_force).fold(0.0, f64::max),
+        angle_deg: free_rows.last().map_or(0.0, |row| row.angle_deg),
+        unknowns: model.unknowns(),
+        newton_iterations: own_rows.clone().map(|row| row.newton_iterations).sum(),
+        indefinite_iterations: own_rows.map(|row| row.indefinite_iterations).sum(),
+    };
+    let times = solver.times();
+    Ok(Ok((evaluation, Scenarios { model, free, blocked, free_rows, blocked_rows, times })))
+}
+
+fn cut_short(path: &Path, pressure: f64, scenario: &str) -> Option<Rejected> {
+    let reached = path.points.last().map_or(0.0, |point| point.load / pressure);
+    (path.ending != Ending::Reached).then(|| {
+        Rejected::new(
+            Room::Solve,
+            path.ending.name(),
+            format!(
+                "{scenario}: the path ends at {:.1} % of the largest pressure",
+                100.0 * reached
+            ),
+            1.0 - reached,
+        )
+    })
+}

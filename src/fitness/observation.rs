@@ -1,0 +1,128 @@
+//! What is read off an equilibrium: tip, angles, forces.
+//!
+//! ```text
+//! chord angle    atan2(u_r, L + u_z),  u_r = |(u_x, u_y)| of the tip    in [0, 2 pi), continuous along the path
+//! tangent angle  between the area vectors of the tip's facets at rest and deformed
+//! ```
+//!
+//! At constant curvature the tangent angle is twice the chord's; the literature quotes the tangent angle.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+use crate::math::Vec3;
+use crate::mesh::ShellMesh;
+use crate::model::ShellModel;
+use crate::solve::PathPoint;
+
+/// One row of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Observation {
+    /// Place on the path, 0 at rest.
+    pub step: usize,
+    /// Chamber pressure, MPa.
+    pub pressure: f64,
+    /// Volume inside the mid-surface, mm^3.
+    pub volume: f64,
+    /// Work of the pressure since rest, mJ.
+    pub work: f64,
+    /// Energy stored in wall and contact, mJ.
+    pub stored_energy: f64,
+    /// Mean displacement of the tip set, mm.
+    pub tip_x: f64,
+    /// As `tip_x`, along y.
+    pub tip_y: f64,
+    /// As `tip_x`, along z.
+    pub tip_z: f64,
+    /// Chord angle, degrees.
+    pub angle_deg: f64,
+    /// Tangent angle, degrees.
+    pub tangent_angle_deg: f64,
+    /// Largest displacement of a vertex, mm.
+    pub max_displacement: f64,
+    /// Force on the planes, N.
+    pub plane_force: f64,
+    /// Newton iterations since the row before.
+    pub newton_iterations: usize,
+    /// Iterations among them with an indefinite tangent.
+    pub indefinite_iterations: usize,
+    /// `stable`, or `stable_beyond_instability` when the way here led over indefinite tangents: a snap is likely.
+    pub stability: &'static str,
+}
+
+/// The rows of a path, the first at rest.
+#[must_use]
+pub fn observations(
+    mesh: &ShellMesh,
+    model: &ShellModel,
+    points: &[PathPoint],
+) -> Vec<Observation> {
+    let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
+    let mut angle = 0.0;
+    let observe = |(step, point): (usize, &PathPoint)| {
+        let displacements = model.vertex_displacements(&point.x);
+        let sum: Vec3 = mesh.tip.iter().map(|&v| displacements[v as usize]).sum();
+        let tip = sum / mesh.tip.len() as f64;
+        let chord = tip.xy().norm().atan2(mesh.length + tip.z);
+        angle = continued(angle, chord);
+        let deformed: Vec<Vec3> =
+            mesh.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
+        Observation {
+            step,
+            pressure: point.load,
+            volume: point.conjugate,
+            work: point.work,
+            stored_energy: point.stored_energy,
+            tip_x: tip.x,
+            tip_y: tip.y,
+            tip_z: tip.z,
+            angle_deg: angle.to_degrees(),
+            tangent_angle_deg: tip_normal.angle(&tip_area_vector(mesh, &deformed)).to_degrees(),
+            max_displacement: displacements.iter().map(|u| u.norm()).fold(0.0, f64::max),
+            plane_force: model.plane_force(&point.x),
+            newton_iterations: point.newton_iterations,
+            indefinite_iterations: point.shifted,
+            stability: if point.shifted == 0 { "stable" } else { "stable_beyond_instability" },
+        }
+    };
+    points.iter().enumerate().map(observe).collect()
+}
+
+/// Of the two directions in the bending plane with this chord angle, the one nearer to the last.
+fn continued(last: f64, chord: f64) -> f64 {
+    let behind = TAU - chord;
+    if (behind - last).abs() < (chord - last).abs() { behind } else { chord }
+}
+
+/// Sum of the area vectors of the facets whose corners all belong to the tip set, mm^2.
+fn tip_area_vector(mesh: &ShellMesh, positions: &[Vec3]) -> Vec3 {
+    let in_tip = |v: &u32| mesh.tip.binary_search(v).is_ok();
+    let facets = mesh.surface.triangles.iter().filter(|corners| corners.iter().all(in_tip));
+    let area_vector = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|v| positions[v as usize]);
+        (b - a).cross(&(c - a)) / 2.0
+    };
+    facets.map(area_vector).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    /// A chord that turns past 180 degrees keeps growing although `atan2` of a length folds back.
+    #[test]
+    fn chord_angle_continues_past_half_a_turn() {
+        let mut angle = 0.0;
+        for step in 1..=18 {
+            let exact = f64::from(step) * PI / 10.0;
+            let folded = if exact <= PI { exact } else { TAU - exact };
+            angle = continued(angle, folded);
+            assert_relative_eq!(angle, exact, epsilon = 1e-12);
+        }
+    }
+}

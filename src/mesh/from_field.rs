@@ -1,0 +1,65 @@
+//! From a field to a shell mesh: isosurface, chamber check, remeshing.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ShellMesh, ShellSettings};
+use crate::field::CappedField;
+use crate::math::Rejected;
+use crate::surface::{Chamber, RemeshSettings, TriangleMesh, isosurface, remesh};
+
+/// How finely a field is meshed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MeshSettings {
+    /// Edge length of the shell's triangles, mm.
+    pub edge: f64,
+    /// Radius to which the rims of the flat caps are rounded, mm.
+    pub rim_radius: f64,
+}
+
+impl Default for MeshSettings {
+    fn default() -> Self {
+        Self { edge: 3.0, rim_radius: 2.0 }
+    }
+}
+
+/// Grid step of the isosurface as a share of the edge; a finer grid only costs time.
+const GRID_SHARE: f64 = 2.0 / 3.0;
+/// Passes of the remesher; more change the quality by less than a percent.
+const REMESH_ITERATIONS: usize = 10;
+/// The isosurface may have this many triangles: 40 times those of the default box full of pleats.
+const MOST_TRIANGLES: usize = 1_000_000;
+
+/// The mid-surface of the chamber that `field` encloses, remeshed, mm.
+///
+/// # Errors
+/// [`Rejected`] when there is not exactly one closed chamber from clamp to tip, or the edge cannot resolve it.
+pub fn surface_of_field(
+    field: &CappedField,
+    settings: &MeshSettings,
+) -> Result<TriangleMesh, Rejected> {
+    let (lower, upper) = (field.design_box().min(), field.design_box().max());
+    let step = GRID_SHARE * settings.edge;
+    let coarse = isosurface(field, lower, upper, step);
+    let chamber = Chamber {
+        clamp_z: lower.z,
+        tip_z: upper.z,
+        tolerance: 0.5 * step,
+        most_triangles: MOST_TRIANGLES,
+    };
+    chamber.check(&coarse)?;
+    let settings = RemeshSettings { edge: settings.edge, iterations: REMESH_ITERATIONS };
+    remesh(&coarse, Some(field), &settings)
+}
+
+/// The shell around the chamber that `field` encloses.
+///
+/// # Errors
+/// As [`surface_of_field`] and [`ShellMesh::new`].
+pub fn shell_of_field(
+    field: &CappedField,
+    mesh: &MeshSettings,
+    shell: &ShellSettings,
+) -> Result<ShellMesh, Rejected> {
+    ShellMesh::new(surface_of_field(field, mesh)?, shell)
+}

@@ -1,0 +1,44 @@
+//! The choice between the two solvers.
+
+use serde::{Deserialize, Serialize};
+
+use super::{EquilibriumSolver, NativeSolver, SolverFailure};
+use crate::model::system::SparsityPattern;
+
+/// Which library finds the equilibria.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Backend {
+    /// Our Newton with `faer`; runs on any number of threads at once.
+    Native,
+    /// PETSc's SNES with MUMPS; one solve at a time in each process.
+    Petsc,
+}
+
+impl Backend {
+    /// Whether this program was built with the library.
+    #[must_use]
+    pub fn is_built_in(self) -> bool {
+        self == Self::Native || cfg!(feature = "petsc")
+    }
+
+    /// A solver for systems with `pattern`.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when the library cannot be started, or is not built in.
+    pub fn solver(
+        self,
+        pattern: &SparsityPattern,
+    ) -> Result<Box<dyn EquilibriumSolver>, SolverFailure> {
+        match self {
+            Self::Native => Ok(Box::new(NativeSolver::new(pattern)?)),
+            #[cfg(feature = "petsc")]
+            Self::Petsc => Ok(Box::new(super::Snes::new(pattern)?)),
+            #[cfg(not(feature = "petsc"))]
+            Self::Petsc => Err(SolverFailure {
+                library: "PETSc",
+                message: "this program was built without it".to_owned(),
+            }),
+        }
+    }
+}
