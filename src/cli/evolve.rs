@@ -9,7 +9,7 @@ use super::design_folder::{write_json, write_path, write_surface};
 use super::provenance::Provenance;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState};
-use super::say;
+use super::{say, warn};
 use crate::batch::{Executor, Next, Panicked, Threads};
 use crate::evolve::{Candidate, Evaluation, Individual, Nsga2, hypervolume};
 use crate::fitness::{CandidateSettings, Outcome, StageSeconds, evaluate_network};
@@ -30,10 +30,10 @@ pub(super) fn run(
     solver: Option<Backend>,
 ) -> anyhow::Result<()> {
     let run = RunFile::read(path, solver)?;
-    let mut search = Search::begin(&run, out, resume)?;
     // PETSc solves one system at a time in a process: more threads would only wait.
     let threads = if run.solver.backend == Backend::Petsc { 1 } else { threads };
     let executor = Threads::new(threads)?;
+    let mut search = Search::begin(&run, out, resume)?;
     while !search.nsga2.is_finished() {
         search.advance(&executor)?;
     }
@@ -70,7 +70,7 @@ impl Search {
         folder.check_same(run)?;
         let (state, damaged) = folder.load()?;
         for line in damaged {
-            say(&format!("{line}; the checkpoint before it is used"));
+            warn(&format!("{line}; the checkpoint before it is used"));
         }
         let (nsga2, history) = match state {
             Some(mut state) => {

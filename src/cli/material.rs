@@ -48,11 +48,20 @@ impl MaterialSection {
                 Ok(Material::NeoHookean(NeoHookean { mu }))
             }
             (None, Some("ogden"), None, Some(terms)) => {
+                if terms.is_empty() {
+                    bail!(
+                        "[material] terms is empty; an Ogden law has at least one {{ mu, alpha }}"
+                    );
+                }
+                let is_exponent = |alpha: f64| alpha != 0.0 && alpha.abs() <= LARGEST_EXPONENT;
+                if let Some(term) = terms.iter().find(|term| !is_exponent(term.alpha)) {
+                    bail!(
+                        "[material] terms: alpha is {:?}, but it must be a number other than 0 and at most {LARGEST_EXPONENT} in size",
+                        term.alpha
+                    );
+                }
                 let modulus: f64 = terms.iter().map(|term| term.mu).sum();
                 positive("the sum of mu over the [material] terms", modulus)?;
-                if terms.iter().any(|term| term.alpha == 0.0 || !term.alpha.is_finite()) {
-                    bail!("[material] terms: alpha must be a number other than 0");
-                }
                 Ok(Material::Ogden(Ogden::new(terms)))
             }
             (None, Some(law), ..) if law != "neo-hookean" && law != "ogden" => {
@@ -67,9 +76,20 @@ impl MaterialSection {
     }
 }
 
-/// Checks that `value` is a positive number.
+/// Measured laws have exponents up to some 25; far beyond, the powers of the stretches overflow.
+const LARGEST_EXPONENT: f64 = 100.0;
+
+/// Checks that `value` is a positive number of a size that mm, N and MPa can have.
 pub(super) fn positive(what: &str, value: f64) -> anyhow::Result<f64> {
-    (value > 0.0 && value.is_finite())
-        .then_some(value)
-        .with_context(|| format!("{what} is {value}, but it must be a positive number"))
+    if value > 0.0 && value.is_finite() {
+        return within(what, value, 1e-9, 1e9);
+    }
+    bail!("{what} is {value:?}, but it must be a positive number")
+}
+
+/// Checks that `value` lies from `least` to `most`.
+pub(super) fn within(what: &str, value: f64, least: f64, most: f64) -> anyhow::Result<f64> {
+    (least..=most).contains(&value).then_some(value).with_context(|| {
+        format!("{what} is {value:?}, but it must lie between {least:?} and {most:?}")
+    })
 }

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 
 use super::design_folder::write_json;
-use super::material::positive;
-use super::run_file::check_rim;
+use super::run_file::check_mesh;
 use super::say;
 use super::simulate::read_network;
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
@@ -17,11 +16,12 @@ use crate::surface::SurfaceQuality;
 
 /// Meshes the network at `path` and writes surface and quality into the new folder `out`.
 pub(super) fn run(path: &Path, out: &Path, edge: Option<f64>, json: bool) -> anyhow::Result<()> {
+    OutputFolder::check_new(out)?;
     let network = read_network(path)?;
     let mut settings = MeshSettings::default();
-    settings.edge = positive("--edge", edge.unwrap_or(settings.edge))?;
+    settings.edge = edge.unwrap_or(settings.edge);
     let design_box = DesignBox::default();
-    check_rim(design_box, &settings)?;
+    check_mesh(design_box, &settings).context("--edge")?;
     let field = CappedField::new(CompiledNetwork::new(&network), design_box, settings.rim_radius)?;
     let surface = surface_of_field(&field, &settings)
         .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;

@@ -14,6 +14,7 @@ mod simulate;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
 
 use crate::solve::Backend;
@@ -40,7 +41,7 @@ enum Command {
         #[arg(long)]
         resume: bool,
         /// Candidates evaluated at once; 0 is one for each core. The results do not depend on it.
-        #[arg(long, default_value_t = 0)]
+        #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
         threads: usize,
         /// The solver, instead of the run file's.
         #[arg(long)]
@@ -75,7 +76,7 @@ enum Command {
         #[arg(long)]
         out: PathBuf,
         /// Edge length, mm.
-        #[arg(long)]
+        #[arg(long, allow_negative_numbers = true)]
         edge: Option<f64>,
         /// Print the quality as JSON instead of words.
         #[arg(long)]
@@ -110,13 +111,38 @@ impl From<SolverName> for Backend {
 /// failed, 2 for wrong usage.
 #[must_use]
 pub fn run() -> ExitCode {
-    match dispatch(Arguments::parse().command) {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(usage) => return answer(&usage),
+    };
+    match dispatch(arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            complain(&error);
+            warn(&one_line(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// Prints the help that was asked for, or what is wrong with the usage in one line.
+fn answer(usage: &clap::Error) -> ExitCode {
+    let is_help = matches!(
+        usage.kind(),
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    );
+    if is_help {
+        // A closed pipe ends the listening.
+        let _ = usage.print();
+    } else {
+        let text = usage.render().to_string();
+        let said = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+        let words: Vec<&str> =
+            said.filter(|line| !line.is_empty() && !line.starts_with("For more")).collect();
+        warn(&format!("{}; see --help", words.join(" ").trim_start_matches("error: ")));
+    }
+    if usage.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
 }
 
 fn dispatch(command: Command) -> anyhow::Result<()> {
@@ -151,8 +177,31 @@ fn say(text: &str) {
     let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
 }
 
-/// Prints the one line of an error.
-fn complain(error: &anyhow::Error) {
+/// Prints one line about something wrong.
+fn warn(line: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "pneumorph: {error:#}");
+    let _ = writeln!(std::io::stderr(), "pneumorph: {line}");
+}
+
+/// An error and its causes in one line; a cause that its effect has told already is not repeated.
+fn one_line(error: &anyhow::Error) -> String {
+    let mut told = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if told.is_empty() {
+            told = cause;
+        } else if !told.ends_with(&cause) {
+            told = format!("{told}: {cause}");
+        }
+    }
+    told
+}
+
+/// More threads than any machine has cores would only take its memory.
+const MOST_THREADS: usize = 4096;
+
+fn threads(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|&threads| threads <= MOST_THREADS)
+        .ok_or_else(|| format!("it must be a whole number from 0 to {MOST_THREADS}"))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 
 use super::run_folder::RunFolder;
-use super::say;
+use super::{say, warn};
 use crate::evolve::Nsga2;
 
 /// Draws the figures of the run in `path` and prints its front.
@@ -13,7 +13,7 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
     let folder = RunFolder::open(path)?;
     let (state, damaged) = folder.load()?;
     for line in damaged {
-        say(&format!("{line}; the checkpoint before it is used"));
+        warn(&format!("{line}; the checkpoint before it is used"));
     }
     let state = state
         .with_context(|| format!("{}: no generation has been finished yet", path.display()))?;

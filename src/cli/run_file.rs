@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::material::{MaterialSection, positive};
+use super::material::{MaterialSection, positive, within};
 use crate::evolve::{self, Nsga2Settings};
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
 use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings};
@@ -68,20 +68,24 @@ impl RunFile {
 
     fn check(&self) -> anyhow::Result<()> {
         check_solver(self.solver.backend)?;
-        check_shell(&self.mesh, &self.wall, &self.load)?;
-        check_rim(self.design_box, &self.mesh)?;
+        check_shell(&self.wall, &self.load)?;
+        check_mesh(self.design_box, &self.mesh)?;
+        ensure!(
+            self.evolution.population <= MOST_INDIVIDUALS,
+            "[evolution] population is {}, but at most {MOST_INDIVIDUALS} fit in memory",
+            self.evolution.population
+        );
         self.evolution.validate().context("[evolution]")?;
         self.gene_bounds()?;
         self.material.material()?;
-        positive("[fitness] exponent", self.fitness.exponent)?;
+        within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
         positive("[fitness] plane_distance", self.fitness.plane_distance)?;
         check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
         let height = self.design_box.sides().z;
+        let clamped = self.wall.clamp_height * self.wall.thickness;
         ensure!(
-            self.wall.clamp_height * self.wall.thickness < height,
-            "the clamp of {} thicknesses of {} mm holds the whole box of {height} mm",
-            self.wall.clamp_height,
-            self.wall.thickness
+            clamped < (1.0 - self.wall.tip_fraction) * height,
+            "[wall] clamp_height holds {clamped} mm of a box of {height} mm, tip included; it must be smaller"
         );
         Ok(())
     }
@@ -90,7 +94,7 @@ impl RunFile {
     pub(super) fn gene_bounds(&self) -> anyhow::Result<evolve::Bounds> {
         let bounds = Bounds::with_overrides(&self.genes).context("[genes]")?;
         let pairs = bounds.intervals().iter().map(|&[lower, upper]| (lower, upper)).collect();
-        evolve::Bounds::new(pairs).context("[genes]")
+        Ok(evolve::Bounds::new(pairs).context("[genes]")?)
     }
 
     /// What decides a candidate's outcome.
@@ -109,8 +113,8 @@ impl RunFile {
 
 /// A run file with every default, as TOML.
 pub(super) fn defaults() -> String {
-    let genes = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper])).collect();
-    let run = RunFile { genes, ..RunFile::default() };
+    let mut run = RunFile::default();
+    run.genes = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper])).collect();
     toml::to_string(&run).expect("the defaults are plain numbers and words")
 }
 
@@ -122,32 +126,66 @@ pub(super) fn check_solver(backend: Backend) -> anyhow::Result<()> {
     Ok(())
 }
 
-pub(super) fn check_shell(
-    mesh: &MeshSettings,
-    wall: &ShellSettings,
-    load: &LoadSettings,
-) -> anyhow::Result<()> {
-    positive("[mesh] edge", mesh.edge)?;
+/// A population of this size takes some hundred megabytes, and a year.
+const MOST_INDIVIDUALS: usize = 100_000;
+
+pub(super) fn check_shell(wall: &ShellSettings, load: &LoadSettings) -> anyhow::Result<()> {
     positive("[wall] thickness", wall.thickness)?;
     positive("[wall] clamp_height", wall.clamp_height)?;
-    ensure!(
-        wall.tip_fraction > 0.0 && wall.tip_fraction < 1.0,
-        "[wall] tip_fraction is {}, but it must lie between 0 and 1",
-        wall.tip_fraction
-    );
+    within("[wall] tip_fraction", wall.tip_fraction, 1e-3, 0.9)?;
     positive("[load] pressure", load.pressure)?;
-    ensure!(load.path.steps > 0, "[load.path] steps is 0, but at least 1 step is needed");
+    let steps = load.path.steps;
+    ensure!(
+        (1..=MOST_STEPS).contains(&steps),
+        "[load.path] steps is {steps}, but it must lie between 1 and {MOST_STEPS}"
+    );
+    ensure!(
+        load.path.iteration_budget > 0,
+        "[load.path] iteration_budget is 0, but a step takes iterations"
+    );
     ensure!(
         load.path.halvings <= 30,
         "[load.path] halvings is {}, more than 30",
         load.path.halvings
     );
-    positive("[load.path.newton] tolerance", load.path.newton.tolerance)?;
-    ensure!(load.path.newton.max_iterations > 0, "[load.path.newton] max_iterations is 0");
+    within("[load.path.newton] tolerance", load.path.newton.tolerance, 1e-13, 1e-3)?;
+    ensure!(
+        load.path.newton.max_iterations > 0,
+        "[load.path.newton] max_iterations is 0, but at least 1 is needed"
+    );
     Ok(())
 }
 
-pub(super) fn check_rim(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::Result<()> {
+/// Every step is kept in memory with all its unknowns.
+const MOST_STEPS: usize = 1000;
+
+/// Checks that the box can be meshed with these settings, in a memory of about a gigabyte.
+pub(super) fn check_mesh(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::Result<()> {
+    positive("[mesh] edge", mesh.edge)?;
+    let sides = design_box.sides();
+    ensure!(
+        mesh.edge < 0.5 * sides.min(),
+        "[mesh] edge is {:?} mm, but a box {:?} mm wide needs one below half of that",
+        mesh.edge,
+        sides.min()
+    );
+    let cubes = sides.iter().map(|side| side / mesh.edge).product::<f64>();
+    ensure!(
+        cubes <= MOST_CUBES,
+        "[mesh] edge is {:?} mm, too fine for a box of {:?} x {:?} x {:?} mm; {:.2} mm is the finest",
+        mesh.edge,
+        sides.x,
+        sides.y,
+        sides.z,
+        mesh.edge * (cubes / MOST_CUBES).cbrt() + 0.005
+    );
+    check_rim(design_box, mesh)
+}
+
+/// Cubes of one edge in the box: 3.4 points of the isosurface's grid each, of some 72 bytes.
+const MOST_CUBES: f64 = 4e6;
+
+fn check_rim(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::Result<()> {
     let middle = GENES.map(|gene| 0.5 * (gene.lower + gene.upper)).to_vec();
     let genome = Genome::try_from(middle).expect("one number for each gene");
     CappedField::new(CompiledNetwork::new(&genome.decode()), design_box, mesh.rim_radius)

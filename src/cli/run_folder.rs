@@ -9,13 +9,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, anyhow, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::run_file::RunFile;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
 use crate::fitness::{Outcome, StageSeconds};
-use crate::io::{OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
+use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
 use crate::report::{FrontPoint, HistoryPoint, front_svg, front_table, history_svg, png};
 
 /// One line of `candidates.jsonl`.
@@ -58,7 +58,10 @@ pub(super) struct RunFolder {
 impl RunFolder {
     /// A new folder for `run`.
     pub(super) fn create(path: &Path, run: &RunFile) -> anyhow::Result<Self> {
-        let folder = OutputFolder::create_new(path)?;
+        let folder = OutputFolder::create_new(path).map_err(|error| match error {
+            OutputError::FolderExists(_) => anyhow!("{error}, or go on with its run: --resume"),
+            other => other.into(),
+        })?;
         atomic::write(&folder.file("run.toml"), toml::to_string(run)?.as_bytes())?;
         Ok(Self { folder })
     }
@@ -101,7 +104,10 @@ impl RunFolder {
 
     /// The last complete checkpoint, and a line for each damaged one that was passed over.
     pub(super) fn load(&self) -> anyhow::Result<(Option<RunState>, Vec<String>)> {
-        let Some(found) = checkpoint::load_latest::<RunState>(&self.checkpoints()?)? else {
+        let folder = self.file("checkpoints");
+        let found =
+            if folder.is_dir() { checkpoint::load_latest::<RunState>(&folder)? } else { None };
+        let Some(found) = found else {
             return Ok((None, Vec::new()));
         };
         let damaged = found.damaged.iter().map(ToString::to_string).collect();
@@ -110,11 +116,7 @@ impl RunFolder {
 
     pub(super) fn save(&self, state: &RunState) -> anyhow::Result<()> {
         let generation = state.search.generation as u64;
-        Ok(checkpoint::save(&self.checkpoints()?, generation, state)?)
-    }
-
-    fn checkpoints(&self) -> anyhow::Result<std::path::PathBuf> {
-        Ok(self.folder.subfolder("checkpoints")?)
+        Ok(checkpoint::save(&self.folder.subfolder("checkpoints")?, generation, state)?)
     }
 
     /// The records of the generations before `generation`.

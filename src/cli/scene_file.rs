@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
 
-use super::material::MaterialSection;
-use super::run_file::{SolverSection, check_normal, check_rim, check_shell, check_solver};
+use super::material::{MaterialSection, positive};
+use super::run_file::{SolverSection, check_mesh, check_normal, check_shell, check_solver};
 use crate::field::DesignBox;
 use crate::fitness::LoadSettings;
 use crate::io::toml_file;
@@ -33,7 +33,7 @@ pub(super) struct SceneFile {
     #[serde(default = "default_solver")]
     pub solver: SolverSection,
     /// Rigid planes; none is listed, none is computed.
-    #[serde(default, rename = "plane")]
+    #[serde(default, rename = "plane", skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
 }
 
@@ -82,16 +82,12 @@ impl SceneFile {
 
     fn check(&self) -> anyhow::Result<()> {
         check_solver(self.solver.backend)?;
-        check_shell(&self.mesh, &self.wall, &self.load)?;
-        check_rim(self.design_box, &self.mesh)?;
+        check_shell(&self.wall, &self.load)?;
+        check_mesh(self.design_box, &self.mesh)?;
         self.material.material()?;
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
-            ensure!(
-                plane.distance > 0.0 && plane.distance.is_finite(),
-                "[[plane]] distance is {}, but the part must start before the plane",
-                plane.distance
-            );
+            positive("[[plane]] distance", plane.distance)?;
         }
         Ok(())
     }
@@ -102,10 +98,23 @@ impl SceneFile {
         match (&self.part.network, &self.part.stl) {
             (Some(network), None) => Ok(PartSource::Network(beside(network))),
             (None, Some(stl)) => Ok(PartSource::Stl(beside(stl))),
-            _ => bail!("{}: [part] wants either `network` or `stl`", path.display()),
+            (Some(_), Some(_)) => {
+                bail!("{}: [part] has both `network` and `stl`; give one", path.display())
+            }
+            (None, None) => {
+                bail!("{}: [part] has neither `network` nor `stl`; give one", path.display())
+            }
         }
     }
 }
+
+/// A list has no default to print.
+const PLANE_EXAMPLE: &str = "
+# A rigid plane on the -x side; as many as needed.
+# [[plane]]
+# normal = [1.0, 0.0, 0.0]
+# distance = 5.0
+";
 
 /// A scene file with every default, as TOML.
 pub(super) fn defaults() -> String {
@@ -119,5 +128,6 @@ pub(super) fn defaults() -> String {
         solver: default_solver(),
         planes: Vec::new(),
     };
-    toml::to_string(&scene).expect("the defaults are plain numbers and words")
+    let defaults = toml::to_string(&scene).expect("the defaults are plain numbers and words");
+    defaults + PLANE_EXAMPLE
 }

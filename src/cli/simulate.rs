@@ -1,8 +1,9 @@
 //! `simulate`: one part under pressure.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 use serde::Serialize;
 
 use super::design_folder::{write_json, write_path, write_surface};
@@ -11,14 +12,14 @@ use super::say;
 use super::scene_file::{PartSource, SceneFile};
 use crate::field::{CappedField, CompiledNetwork};
 use crate::fitness::{StageSeconds, observations};
-use crate::genome::Network;
-use crate::io::{OutputFolder, stl};
+use crate::genome::{Network, NetworkDraft};
+use crate::io::{OutputFolder, stl, toml_file};
 use crate::math::{Vec3, cpu_seconds};
 use crate::mesh::{ShellMesh, shell_of_field};
 use crate::model::contact::PlaneSettings;
 use crate::model::system::System;
 use crate::model::{ShellModel, Support};
-use crate::solve::{Backend, Ending, follow};
+use crate::solve::{Backend, Ending, Path as Walked, SolveTimes, follow};
 use crate::surface::{SurfaceQuality, intersecting_pairs};
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -58,8 +59,10 @@ pub(super) fn run(
     json: bool,
 ) -> anyhow::Result<()> {
     let start = cpu_seconds();
+    OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
     let mesh = shell(&scene, path)?;
+    check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;
 
@@ -74,12 +77,11 @@ pub(super) fn run(
     let mut model = ShellModel::new(&mesh, &scene.material.material()?, &Support::Clamp, &planes)
         .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
     let folder = OutputFolder::create_new(out)?;
-    let mut solver = scene.solver.backend.solver(model.pattern())?;
-    let walked =
-        follow(&mut model, solver.as_mut(), scene.load.pressure, Vec::new(), &scene.load.path)?;
+    let (walked, times) = walk(&scene, &mut model)
+        .with_context(|| path.display().to_string())
+        .inspect_err(|_| folder.remove_if_empty())?;
     let rows = observations(&mesh, &model, &walked.points);
-    let last = rows.last().context("the part is not stable at rest")?;
-    let times = solver.times();
+    let last = rows.last().expect("a walked path has its start");
     let summary = Summary {
         tip: [last.tip_x, last.tip_y, last.tip_z],
         max_displacement: last.max_displacement,
@@ -112,6 +114,19 @@ pub(super) fn run(
     Ok(())
 }
 
+/// The path of a part that is stable at rest, and what it took.
+fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, SolveTimes)> {
+    let mut solver = scene.solver.backend.solver(model.pattern())?;
+    let load = &scene.load;
+    let walked = follow(model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
+    ensure!(
+        !walked.points.is_empty(),
+        "the part is not stable at rest ({}): look at its mesh and its material",
+        walked.ending.name().replace('_', " ")
+    );
+    Ok((walked, solver.times()))
+}
+
 fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
     let made = match scene.source(path)? {
         PartSource::Network(file) => {
@@ -128,8 +143,13 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
             let surface = stl::read(&file, stl::WELD_TOLERANCE)?;
             let name = file.display();
             surface.check_closed_manifold().with_context(|| name.to_string())?;
+            let parts = surface.components().iter().max().map_or(0, |&last| last + 1);
+            ensure!(
+                parts == 1,
+                "{name}: {parts} separate surfaces, but one closed chamber is wanted"
+            );
             let crossings = intersecting_pairs(&surface).len();
-            anyhow::ensure!(
+            ensure!(
                 crossings == 0,
                 "{name}: {crossings} pairs of triangles pass through each other"
             );
@@ -142,8 +162,19 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
 
 /// Reads a network file.
 pub(super) fn read_network(path: &Path) -> anyhow::Result<Network> {
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    text.parse().with_context(|| path.display().to_string())
+    let draft: NetworkDraft = toml_file::read(path)?;
+    Network::try_from(draft).with_context(|| path.display().to_string())
+}
+
+/// Refuses a clamp that leaves nothing to watch.
+fn check_tip(mesh: &ShellMesh) -> anyhow::Result<()> {
+    let held: BTreeSet<u32> =
+        mesh.clamp.iter().flat_map(|&v| mesh.rings.ring(v).iter().copied().chain([v])).collect();
+    ensure!(
+        mesh.tip.iter().any(|v| !held.contains(v)),
+        "the clamp holds the tip too, so nothing can bend; lower [wall] clamp_height, or mesh the part finer"
+    );
+    Ok(())
 }
 
 impl Summary {

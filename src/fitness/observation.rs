@@ -59,13 +59,14 @@ pub fn observations(
     points: &[PathPoint],
 ) -> Vec<Observation> {
     let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
-    let mut angle = 0.0;
+    let (mut before, mut last) = (0.0, 0.0);
     let observe = |(step, point): (usize, &PathPoint)| {
         let displacements = model.vertex_displacements(&point.x);
         let sum: Vec3 = mesh.tip.iter().map(|&v| displacements[v as usize]).sum();
         let tip = sum / mesh.tip.len() as f64;
         let chord = tip.xy().norm().atan2(mesh.length + tip.z);
-        angle = continued(angle, chord);
+        let angle = continued(2.0 * last - before, chord);
+        (before, last) = (last, angle);
         let deformed: Vec<Vec3> =
             mesh.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
         Observation {
@@ -89,10 +90,10 @@ pub fn observations(
     points.iter().enumerate().map(observe).collect()
 }
 
-/// Of the two directions in the bending plane with this chord angle, the one nearer to the last.
-fn continued(last: f64, chord: f64) -> f64 {
+/// Of the two directions in the bending plane with this chord angle, the one nearer to the expected.
+fn continued(expected: f64, chord: f64) -> f64 {
     let behind = TAU - chord;
-    if (behind - last).abs() < (chord - last).abs() { behind } else { chord }
+    if (behind - expected).abs() < (chord - expected).abs() { behind } else { chord }
 }
 
 /// Sum of the area vectors of the facets whose corners all belong to the tip set, mm^2.
@@ -117,11 +118,12 @@ mod tests {
     /// A chord that turns past 180 degrees keeps growing although `atan2` of a length folds back.
     #[test]
     fn chord_angle_continues_past_half_a_turn() {
-        let mut angle = 0.0;
+        let (mut before, mut last) = (0.0, 0.0);
         for step in 1..=18 {
             let exact = f64::from(step) * PI / 10.0;
             let folded = if exact <= PI { exact } else { TAU - exact };
-            angle = continued(angle, folded);
+            let angle = continued(2.0 * last - before, folded);
+            (before, last) = (last, angle);
             assert_relative_eq!(angle, exact, epsilon = 1e-12);
         }
     }

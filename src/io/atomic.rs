@@ -63,17 +63,34 @@ impl OutputFolder {
     /// [`OutputError::FolderExists`] when there is already something of that name, so that no run
     /// overwrites another; [`OutputError::Write`] when it cannot be made.
     pub fn create_new(path: &Path) -> Result<Self, OutputError> {
-        let write = |source| OutputError::write(path, source);
         if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(write)?;
+            fs::create_dir_all(parent).map_err(|source| OutputError::write(parent, source))?;
         }
         match fs::create_dir(path) {
             Ok(()) => Ok(Self { path: path.to_owned() }),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                 Err(OutputError::FolderExists(path.to_owned()))
             }
-            Err(error) => Err(write(error)),
+            Err(error) => Err(OutputError::write(path, error)),
         }
+    }
+
+    /// Refuses a `path` that [`Self::create_new`] would refuse because it is taken: asked before long work.
+    ///
+    /// # Errors
+    /// [`OutputError::FolderExists`] when there is already something of that name.
+    pub fn check_new(path: &Path) -> Result<(), OutputError> {
+        if path.symlink_metadata().is_ok() {
+            Err(OutputError::FolderExists(path.to_owned()))
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Removes the folder when nothing was written into it.
+    pub fn remove_if_empty(&self) {
+        // A folder with files in it refuses, and is kept.
+        let _ = fs::remove_dir(&self.path);
     }
 
     /// Opens the folder of an earlier run.
@@ -154,15 +171,28 @@ mod tests {
         let path = base.path().join("runs/first");
         assert_eq!(
             OutputFolder::open(&path).unwrap_err().to_string(),
-            format!("output folder {} does not exist; nothing to resume", path.display())
+            format!("there is no folder {}", path.display())
         );
         let folder = OutputFolder::create_new(&path).unwrap();
         assert_eq!(folder.file("a.csv"), path.join("a.csv"));
         assert!(folder.subfolder("designs").unwrap().is_dir());
         assert_eq!(
             OutputFolder::create_new(&path).unwrap_err().to_string(),
-            format!("output folder {} exists; choose another or use --resume", path.display())
+            format!("output folder {} exists; choose another", path.display())
         );
+        assert!(matches!(OutputFolder::check_new(&path), Err(OutputError::FolderExists(_))));
         assert_eq!(OutputFolder::open(&path).unwrap(), folder);
+        let below_a_file = base.path().join("file/run");
+        fs::write(base.path().join("file"), "").unwrap();
+        assert_eq!(
+            OutputFolder::create_new(&below_a_file).unwrap_err().to_string(),
+            format!("cannot write {}/file: is a file, not a folder", base.path().display())
+        );
+
+        folder.remove_if_empty();
+        assert!(path.is_dir(), "the folder `designs` is in it");
+        fs::remove_dir(path.join("designs")).unwrap();
+        folder.remove_if_empty();
+        assert!(OutputFolder::check_new(&path).is_ok());
     }
 }

@@ -48,18 +48,18 @@ impl fmt::Display for InputError {
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The folder of a new run is already there.
-    #[error("output folder {} exists; choose another or use --resume", .0.display())]
+    #[error("output folder {} exists; choose another", .0.display())]
     FolderExists(PathBuf),
-    /// The folder of a run to be resumed is not there.
-    #[error("output folder {} does not exist; nothing to resume", .0.display())]
+    /// The folder of an earlier run is not there.
+    #[error("there is no folder {}", .0.display())]
     FolderMissing(PathBuf),
     /// The file system refused.
-    #[error("cannot write {}: {}", path.display(), reason(source))]
+    #[error("cannot write {}: {}", path.display(), reason(cause))]
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the file system said.
-        source: io::Error,
+        /// What the file system said; part of the line above, hence no `source`.
+        cause: io::Error,
     },
     /// A value has no form in the file's format.
     #[error("cannot write {}: {what}", path.display())]
@@ -72,8 +72,8 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    pub(super) fn write(path: &Path, source: io::Error) -> Self {
-        Self::Write { path: path.to_owned(), source }
+    pub(super) fn write(path: &Path, cause: io::Error) -> Self {
+        Self::Write { path: path.to_owned(), cause }
     }
 
     pub(super) fn unwritable(path: &Path, what: &dyn fmt::Display) -> Self {
@@ -91,6 +91,8 @@ fn reason(source: &io::Error) -> String {
         io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         io::ErrorKind::IsADirectory => "is a folder, not a file".to_owned(),
         io::ErrorKind::NotADirectory => "a folder of the path is a file".to_owned(),
+        io::ErrorKind::AlreadyExists => "is a file, not a folder".to_owned(),
+        io::ErrorKind::InvalidData => "is not a text file (UTF-8)".to_owned(),
         _ => one_line(&source.to_string()),
     }
 }

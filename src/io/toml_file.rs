@@ -47,7 +47,7 @@ fn explanation(message: &str) -> String {
     } else if message.starts_with("unknown variant") {
         "value"
     } else {
-        return message.to_owned();
+        return in_plain_words(message);
     };
     // "unknown field `x`, expected one of `a`, `b`": names are every second piece between backticks.
     let mut names = message.split('`').skip(1).step_by(2);
@@ -58,6 +58,20 @@ fn explanation(message: &str) -> String {
         None if known.is_empty() => format!("unknown {noun} `{unknown}`; none is known here"),
         None => format!("unknown {noun} `{unknown}`; known: `{}`", known.join("`, `")),
     }
+}
+
+/// `serde`'s message with a user's words for Rust's types.
+fn in_plain_words(message: &str) -> String {
+    let Some((found, expected)) = message.rsplit_once("expected ") else {
+        return message.to_owned();
+    };
+    let words = match expected {
+        "f64" => "a number",
+        "usize" | "u64" | "u32" => "a whole number, 0 or more",
+        "a sequence" if found.contains("map") => "a list, written [[name]] with two brackets",
+        other => other,
+    };
+    format!("{found}expected {words}")
 }
 
 /// Names that share a smaller part of their letter pairs are not offered.
@@ -131,7 +145,7 @@ mod tests {
         );
         assert_eq!(
             error("seed = 1\npopulation_size = \"many\"\n"),
-            "run.toml:2: invalid type: string \"many\", expected usize"
+            "run.toml:2: invalid type: string \"many\", expected a whole number, 0 or more"
         );
         assert_eq!(error("seed = 1\n"), "run.toml:1: missing field `population_size`");
     }
