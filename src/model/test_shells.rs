@@ -42,7 +42,7 @@ impl TestShell {
 fn egg(chance: &mut ChaCha8Rng) -> ShellMesh {
     let mut surface = TriangleMesh::sphere(1.0, 1);
     flip_edges(&mut surface.triangles, surface.positions.len(), chance);
-    let rings = Rings::new(&surface.triangles, surface.positions.len());
+    let rings = Rings::new(surface.positions.len(), &surface.triangles).unwrap();
     for _ in 0..20 {
         for v in 0..rings.len() {
             let ring = rings.ring(v as u32);

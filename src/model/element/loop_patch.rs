@@ -416,7 +416,7 @@ mod tests {
 
     /// Loop's scheme once, by its textbook masks; the edge points in the order of [`samples`].
     fn subdivided(triangles: &[[u32; 3]], x: &[Vec3]) -> (Vec<[u32; 3]>, Vec<Vec3>) {
-        let rings = Rings::new(triangles, x.len());
+        let rings = Rings::new(x.len(), triangles).unwrap();
         let at = |v: u32| x[v as usize];
         let vertex_point = |v: u32| {
             let ring = rings.ring(v);
@@ -447,7 +447,7 @@ mod tests {
     }
 
     fn elements(triangles: &[[u32; 3]], vertices: usize) -> (Vec<Stencil>, Rings) {
-        let rings = Rings::new(triangles, vertices);
+        let rings = Rings::new(vertices, triangles).unwrap();
         (triangles.iter().map(|&t| Stencil::new(t, &rings)).collect(), rings)
     }
 
