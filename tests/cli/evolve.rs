@@ -1,0 +1,225 @@
+//! `evolve`: the same bits on any number of threads, killed and resumed, and on both solvers.
+
+use std::sync::OnceLock;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use super::workshop::Workshop;
+
+/// A run of seconds: 6 coarse candidates, 3 generations, 2 load steps.
+const RUN: &str = "
+[evolution]
+population = 6
+generations = 3
+seed = 3
+
+[mesh]
+edge = 5.0
+
+[load]
+pressure = 0.1
+
+[load.path]
+steps = 2
+";
+
+/// A workshop with the finished run `out`, made on two threads.
+fn finished() -> &'static Workshop {
+    static FINISHED: OnceLock<Workshop> = OnceLock::new();
+    FINISHED.get_or_init(|| {
+        let workshop = Workshop::new();
+        workshop.write("run.toml", RUN);
+        workshop.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "2"]);
+        workshop
+    })
+}
+
+/// A workshop of its own with a copy of the finished run.
+fn copy_of_finished() -> Workshop {
+    finished().copy_of(&["run.toml", "out"])
+}
+
+const RESUME: [&str; 5] = ["evolve", "run.toml", "--out", "out", "--resume"];
+
+/// The records of a run without their CPU seconds.
+fn records(workshop: &Workshop) -> Vec<serde_json::Value> {
+    let lines = workshop.read("out/candidates.jsonl");
+    let record = |line: &str| {
+        let mut record: serde_json::Value = serde_json::from_str(line).unwrap();
+        assert!(record.as_object_mut().unwrap().remove("cpu_seconds").is_some());
+        record
+    };
+    lines.lines().map(record).collect()
+}
+
+/// Everything that the run of `workshop` found is what the finished run found, to the bit.
+fn assert_same_results(workshop: &Workshop) {
+    for table in ["front.csv", "history.csv", "front.svg", "history.svg"] {
+        let name = format!("out/{table}");
+        assert_eq!(workshop.read(&name), finished().read(&name), "{table}");
+    }
+    assert_eq!(records(workshop), records(finished()));
+    let front = |workshop: &Workshop| {
+        let of_front = |(path, contents): (std::path::PathBuf, _)| {
+            let path = path.strip_prefix(workshop.path("out/front")).ok()?.to_owned();
+            Some((path, contents))
+        };
+        workshop.files().into_iter().filter_map(of_front).collect::<Vec<_>>()
+    };
+    assert!(front(workshop) == front(finished()), "a file of the front differs");
+}
+
+#[test]
+fn a_run_writes_what_it_promises() {
+    let run = finished();
+    for name in ["run.toml", "provenance.json", "front.svg", "front.png", "history.svg", "history.png"] {
+        assert!(run.path("out").join(name).is_file(), "{name}");
+    }
+    let history = run.read("out/history.csv");
+    assert!(
+        history.starts_with("generation,evaluated,feasible,front,hypervolume,best_bending,best_blocking\n"),
+        "{history}"
+    );
+    assert_eq!(history.lines().count(), 1 + 3);
+    let hypervolume = run.column("out/history.csv", "hypervolume");
+    assert!(hypervolume.is_sorted(), "elitism never loses: {hypervolume:?}");
+
+    let front = run.read("out/front.csv");
+    assert!(front.starts_with("id,bending,blocking,figure_of_merit,max_force\n"), "{front}");
+    let members: Vec<&str> = front.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
+    assert!(!members.is_empty());
+    for member in members {
+        for file in ["genome.toml", "surface.stl", "path.csv", "path.pvd", "path_002.vtu", "path_blocked.csv"] {
+            assert!(run.path("out/front").join(member).join(file).is_file(), "{member}/{file}");
+        }
+    }
+    let records = records(run);
+    assert_eq!(records.len(), 18);
+    for (k, record) in records.iter().enumerate() {
+        assert_eq!(record["id"], format!("g{:03}-{:03}", k / 6, k % 6));
+        assert!(["evaluated", "rejected"].contains(&record["status"].as_str().unwrap()), "{record}");
+    }
+}
+
+#[test]
+fn one_thread_gives_the_bits_of_two() {
+    let workshop = Workshop::new();
+    workshop.write("run.toml", RUN);
+    workshop.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "1"]);
+    assert_same_results(&workshop);
+}
+
+#[test]
+fn a_killed_run_goes_on_with_the_same_bits() {
+    let workshop = Workshop::new();
+    workshop.write("run.toml", RUN);
+    let mut run = workshop.command(&["evolve", "run.toml", "--out", "out", "--threads", "2"]).spawn().unwrap();
+    let first = workshop.path("out/checkpoints/checkpoint-000001.json");
+    let start = Instant::now();
+    while !first.is_file() {
+        assert!(start.elapsed() < Duration::from_secs(120), "no checkpoint was written");
+        sleep(Duration::from_millis(2));
+    }
+    // SIGKILL on Unix.
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(!workshop.path("out/front.csv").exists(), "the run ended before it was killed");
+
+    // What a kill in the middle of a line leaves: a generation that no checkpoint knows, and half a record.
+    let mut log = workshop.read("out/candidates.jsonl");
+    let foreign = log.lines().next().unwrap().replace("g000-000", "g002-000");
+    log += &format!("{foreign}\n{}", &foreign[..50]);
+    workshop.write("out/candidates.jsonl", log);
+
+    let out = workshop.succeed(&RESUME);
+    assert!(out.starts_with("resumed after generation "), "{out}");
+    assert_same_results(&workshop);
+}
+
+#[test]
+fn resuming_a_finished_run_changes_nothing() {
+    let workshop = copy_of_finished();
+    workshop.succeed(&RESUME);
+    assert_same_results(&workshop);
+    // A run's own copy of its settings is a run file too.
+    workshop.succeed(&["evolve", "out/run.toml", "--out", "out", "--resume"]);
+    assert_same_results(&workshop);
+}
+
+#[test]
+fn a_run_interrupted_by_its_settings_goes_on_with_the_same_bits() {
+    let workshop = Workshop::new();
+    workshop.write("run.toml", RUN.replace("generations = 3", "generations = 1"));
+    workshop.succeed(&["evolve", "run.toml", "--out", "out"]);
+    workshop.write("run.toml", RUN);
+    let out = workshop.succeed(&RESUME);
+    assert!(out.starts_with("resumed after generation 1 of 3"), "{out}");
+    for table in ["out/front.csv", "out/history.csv"] {
+        assert_eq!(workshop.read(table), finished().read(table));
+    }
+    assert_eq!(records(&workshop), records(finished()));
+}
+
+#[test]
+fn other_settings_are_not_resumed() {
+    let workshop = copy_of_finished();
+    for (from, to) in [("seed = 3", "seed = 4"), ("population = 6", "population = 8"), ("edge = 5", "edge = 4")] {
+        workshop.write("run.toml", RUN.replace(from, to));
+        workshop.refuse(&RESUME, 1, &["out was made with other settings", "run.toml"]);
+    }
+}
+
+#[test]
+fn damaged_checkpoints_fall_back_or_are_refused() {
+    let workshop = copy_of_finished();
+    let newest = "out/checkpoints/checkpoint-000003.json";
+    let text = workshop.read(newest);
+    workshop.write(newest, &text[..text.len() / 2]);
+    let said = workshop.run(&RESUME);
+    assert_eq!(said.code, 0, "{said:?}");
+    assert_eq!(said.err.lines().count(), 1, "{}", said.err);
+    assert!(said.err.contains("checkpoint-000003.json: is cut off; the checkpoint before it is used"), "{}", said.err);
+    assert!(said.out.starts_with("resumed after generation 2 of 3"), "{}", said.out);
+    assert_same_results(&workshop);
+
+    workshop.write(newest, &text[..text.len() / 2]);
+    workshop.write("out/checkpoints/checkpoint-000002.json", "{");
+    workshop.refuse(&RESUME, 1, &["out/checkpoints", "no usable checkpoint", "is cut off", "no header"]);
+    workshop.refuse(&["report", "out"], 1, &["out/checkpoints", "no usable checkpoint"]);
+}
+
+/// A population of none but failures is a result, not an error.
+#[test]
+fn a_run_without_a_feasible_candidate_ends_well() {
+    let workshop = Workshop::new();
+    // Chambers everywhere: the field is below 0 in the whole box, and the wall cannot follow its corners.
+    workshop.write("run.toml", format!("{RUN}\n[genes]\nbO = [5.0, 6.0]\n"));
+    let out = workshop.succeed(&["evolve", "run.toml", "--out", "out"]);
+    assert!(out.contains("0 of 6 feasible"), "{out}");
+    let out = workshop.succeed(&["report", "out"]);
+    assert!(out.contains("out/front.svg"), "{out}");
+}
+
+/// Both solvers walk through the same equilibria; Newton stops at 1e-12 so that 1e-8 has a margin.
+#[cfg(feature = "petsc")]
+#[test]
+fn petsc_gives_the_same_front() {
+    let run = RUN.replace("generations = 3", "generations = 2") + "\n[load.path.newton]\ntolerance = 1e-12\n";
+    let [native, petsc] = ["native", "petsc"].map(|solver| {
+        let workshop = Workshop::new();
+        workshop.write("run.toml", &run);
+        workshop.succeed(&["evolve", "run.toml", "--out", "out", "--solver", solver]);
+        workshop
+    });
+    let ids = |workshop: &Workshop| -> Vec<String> {
+        workshop.read("out/front.csv").lines().map(|row| row.split(',').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(ids(&native), ids(&petsc));
+    assert!(ids(&native).len() > 1);
+    for column in ["bending", "blocking", "figure_of_merit", "max_force"] {
+        let [a, b] = [&native, &petsc].map(|run| run.column("out/front.csv", column));
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() <= 1e-8 * a.abs(), "{column}: {a} and {b}");
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! The program as a user runs it, one file each: its commands, and what it answers to wrong input.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod evolve;
+mod mesh_and_report;
+mod simulate;
+mod workshop;
+mod wrong_files;
+mod wrong_surfaces;
+mod wrong_usage;

@@ -1,0 +1,190 @@
+//! `simulate`: what a scene's folder holds, contact, and the agreement of both solvers.
+
+use super::workshop::Workshop;
+
+/// The published seed in coarse triangles under a third of its benchmark's pressure.
+const SCENE: &str = r#"
+[part]
+network = "network.toml"
+
+[mesh]
+edge = 4.0
+
+[material]
+law = "neo-hookean"
+mu = 1.0
+
+[load]
+pressure = 0.012
+
+[load.path]
+steps = 4
+
+[load.path.newton]
+tolerance = 1e-12
+
+[solver]
+backend = "native"
+"#;
+
+/// A plane on the side to which the part bends, near enough to be touched.
+const DISTANCE: f64 = 3.0;
+const PLANE: &str = "
+[[plane]]
+normal = [2.0, 0.0, 0.0]
+distance = 3.0
+";
+
+fn simulated(scene: &str, solver: &str) -> Workshop {
+    let workshop = Workshop::new();
+    workshop.write("scene.toml", scene);
+    let out = workshop.succeed(&["simulate", "scene.toml", "--out", "out", "--solver", solver]);
+    assert!(out.starts_with("reached at 0.0120 MPa"), "{out}");
+    assert_eq!(out.lines().count(), 2, "{out}");
+    workshop
+}
+
+/// The vertices of a picture: the first block behind `_`, 64-bit little-endian numbers behind their length in bytes.
+fn vertices(workshop: &Workshop, name: &str) -> Vec<[f64; 3]> {
+    let bytes = std::fs::read(workshop.path(name)).unwrap();
+    let marker = b"<AppendedData encoding=\"raw\">\n_";
+    let start = bytes.windows(marker.len()).position(|window| window == marker).unwrap() + marker.len();
+    let number = |at: usize| <[u8; 8]>::try_from(&bytes[at..at + 8]).unwrap();
+    let length = u64::from_le_bytes(number(start)) as usize;
+    assert_eq!(length % 24, 0);
+    let coordinate = |k: usize| f64::from_le_bytes(number(start + 8 + 8 * k));
+    (0..length / 24).map(|v| [3 * v, 3 * v + 1, 3 * v + 2].map(coordinate)).collect()
+}
+
+fn leftmost(vertices: &[[f64; 3]]) -> f64 {
+    vertices.iter().map(|[x, ..]| *x).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn the_folder_of_a_scene_holds_what_is_promised() {
+    let run = simulated(SCENE, "native");
+    let summary = run.json("out/summary.json");
+    let number = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"));
+    let rows = run.column("out/path.csv", "step");
+    assert_eq!(rows, [0.0, 1.0, 2.0, 3.0, 4.0]);
+    let last = |column: &str| *run.column("out/path.csv", column).last().unwrap();
+    for (axis, column) in ["tip_x", "tip_y", "tip_z"].iter().enumerate() {
+        assert_eq!(summary["tip"][axis].as_f64(), Some(last(column)), "{column}");
+    }
+    for (key, column) in [
+        ("pressure", "pressure"),
+        ("volume_final", "volume"),
+        ("work", "work"),
+        ("angle_deg", "angle_deg"),
+        ("max_displacement", "max_displacement"),
+        ("plane_force", "plane_force"),
+    ] {
+        assert_eq!(number(key), last(column), "{key}");
+    }
+    assert_eq!(number("pressure"), 0.012);
+    assert_eq!(number("volume_initial"), run.column("out/path.csv", "volume")[0]);
+    assert_eq!(summary["ending"], "reached");
+    let iterations: f64 = run.column("out/path.csv", "newton_iterations").iter().sum();
+    assert_eq!(number("newton_iterations"), iterations);
+    assert!(number("plane_force") == 0.0 && number("work") > 0.0);
+    // The tip bends to -x and moves less than the part is long.
+    assert!(number("volume_final") > number("volume_initial"));
+    let tip_x = summary["tip"][0].as_f64().unwrap();
+    assert!((-62.8..-1.0).contains(&tip_x), "{tip_x}");
+    assert!(number("max_displacement") > tip_x.abs());
+    for stage in ["meshing", "assembly", "factorization", "rest"] {
+        assert!(summary["cpu_seconds"][stage].as_f64().unwrap() >= 0.0, "{stage}");
+    }
+    assert_eq!(summary["provenance"]["program"], "pneumorph");
+
+    let header = run.read("out/path.csv").lines().next().unwrap().to_owned();
+    assert_eq!(
+        header,
+        "step,pressure,volume,work,stored_energy,tip_x,tip_y,tip_z,angle_deg,tangent_angle_deg,\
+         max_displacement,plane_force,newton_iterations,indefinite_iterations"
+    );
+    let series = run.read("out/path.pvd");
+    for step in 0..=4 {
+        let picture = format!("path_{step:03}.vtu");
+        assert!(series.contains(&picture), "{series}");
+        let points = vertices(&run, &format!("out/{picture}")).len() as f64;
+        assert_eq!(3.0 * points, number("unknowns"));
+    }
+    assert!(run.path("out/surface.stl").is_file());
+}
+
+#[test]
+fn json_on_the_terminal_is_the_summary() {
+    let workshop = Workshop::new();
+    workshop.write("scene.toml", SCENE.replace("steps = 4", "steps = 1").replace("edge = 4", "edge = 5"));
+    let out = workshop.succeed(&["simulate", "scene.toml", "--out", "out", "--json"]);
+    let printed: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(printed, workshop.json("out/summary.json"));
+}
+
+#[test]
+fn an_stl_simulates_like_the_network_it_was_made_from() {
+    let network = simulated(SCENE, "native");
+    std::fs::copy(network.path("out/surface.stl"), network.path("part.stl")).unwrap();
+    network.write("stl.toml", SCENE.replace("network = \"network.toml\"", "stl = \"part.stl\""));
+    network.succeed(&["simulate", "stl.toml", "--out", "from_stl"]);
+    for column in ["tip_x", "tip_z", "volume"] {
+        let [a, b] = ["out", "from_stl"].map(|run| network.column(&format!("{run}/path.csv"), column));
+        for (a, b) in a.iter().zip(&b) {
+            // The file rounds positions to 32 bits: 1e-7 of them, amplified some tens of times by bending.
+            assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{column}: {a} and {b}");
+        }
+    }
+}
+
+/// The outer wall comes within the barrier's reach, a tenth of the thickness, and never through.
+#[test]
+fn the_outer_wall_stays_before_the_plane_and_presses_on_it() {
+    let run = simulated(&format!("{SCENE}{PLANE}"), "native");
+    let plane = leftmost(&vertices(&run, "out/path_000.vtu")) - DISTANCE;
+    let forces = run.column("out/path.csv", "plane_force");
+    for (step, force) in forces.iter().enumerate() {
+        let gap = leftmost(&vertices(&run, &format!("out/path_{step:03}.vtu"))) - plane;
+        assert!(gap > 0.0, "step {step}: gap {gap}");
+        // Contact is sampled at vertices and at edge midpoints: a midpoint may press before a vertex does.
+        assert!(*force > 0.0 || gap > 0.1 * 1.6, "step {step}: gap {gap}, force {force}");
+    }
+    assert_eq!(forces[0], 0.0);
+    assert!(*forces.last().unwrap() > 0.0, "{forces:?}");
+    assert!(forces.is_sorted(), "{forces:?}");
+    assert_eq!(run.json("out/summary.json")["plane_force"].as_f64(), forces.last().copied());
+
+    let free = simulated(SCENE, "native");
+    let reach = |run: &Workshop| leftmost(&vertices(run, "out/path_004.vtu"));
+    assert!(reach(&free) < plane, "without the plane the part would pass it");
+}
+
+/// Newton stops at 1e-12 of the force scale, so that 1e-8 of the displacement has a margin.
+#[cfg(feature = "petsc")]
+#[test]
+fn petsc_and_native_walk_through_the_same_tips() {
+    for scene in [SCENE.to_owned(), format!("{SCENE}{PLANE}")] {
+        let [native, petsc] = ["native", "petsc"].map(|solver| simulated(&scene, solver));
+        assert_eq!(petsc.json("out/summary.json")["solver"], "petsc");
+        for column in ["tip_x", "tip_y", "tip_z", "plane_force"] {
+            let [a, b] = [&native, &petsc].map(|run| run.column("out/path.csv", column));
+            assert_eq!(a.len(), 5);
+            for (step, (a, b)) in a.iter().zip(&b).enumerate() {
+                assert!((a - b).abs() <= 1e-8 * a.abs(), "{column} at step {step}: {a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn printed_defaults_are_a_scene() {
+    let workshop = Workshop::new();
+    let defaults = workshop.succeed(&["simulate", "--print-defaults"]);
+    // The commented plane is one, too.
+    let commented = defaults.find("# [[plane]]").unwrap();
+    let scene = defaults[..commented].to_owned() + &defaults[commented..].replace("# ", "");
+    let coarse = scene.replace("edge = 3.0", "edge = 5.0").replace("steps = 10", "steps = 1");
+    assert_ne!(coarse, scene);
+    workshop.write("scene.toml", coarse);
+    workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
+}
