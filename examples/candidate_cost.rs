@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example candidate_cost [valid genomes] [native|petsc] [edge mm]`
 
+#![allow(clippy::print_stdout, reason = "it is a program that prints a table")]
+
 use pneumorph::fitness::{CandidateSettings, Outcome, evaluate_network};
 use pneumorph::genome::Bounds;
 use pneumorph::math::random::{Purpose, Stream};
@@ -39,9 +41,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let total = s.meshing + s.assembly + s.factorization + s.rest;
         let (unknowns, newton, what) = match &candidate.outcome {
             Outcome::Evaluated(e) => {
-                let row = [s.meshing, s.assembly, s.factorization, s.rest, total, e.newton_iterations as f64];
+                let row = [
+                    s.meshing,
+                    s.assembly,
+                    s.factorization,
+                    s.rest,
+                    total,
+                    e.newton_iterations as f64,
+                ];
                 columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-                let what = format!("F_c {:.3}  F_bf {:.4}  {:.1} N", e.bending, e.blocking, e.max_force);
+                let what =
+                    format!("F_c {:.3}  F_bf {:.4}  {:.1} N", e.bending, e.blocking, e.max_force);
                 (e.unknowns, e.newton_iterations, what)
             }
             Outcome::Rejected(rejected) => (0, 0, rejected.to_string()),
@@ -53,8 +63,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         tried += 1;
     }
     let [meshing, assembly, factorization, rest, total, newton] = columns.map(median);
-    println!("{wanted} valid of {tried}; median CPU seconds of one valid candidate, both scenarios: {total:.3}");
-    println!("  meshing {meshing:.3}  assembly {assembly:.3}  factorization {factorization:.3}  rest {rest:.3}  Newton iterations {newton}");
+    println!(
+        "{wanted} valid of {tried}; median CPU seconds of one valid candidate, both scenarios: {total:.3}"
+    );
+    println!(
+        "  meshing {meshing:.3}  assembly {assembly:.3}  factorization {factorization:.3}  rest {rest:.3}  Newton iterations {newton}"
+    );
     Ok(())
 }
 

@@ -62,7 +62,7 @@ impl MaterialSection {
                 }
                 let modulus: f64 = terms.iter().map(|term| term.mu).sum();
                 positive("the sum of mu over the [material] terms", modulus)?;
-                Ok(Material::Ogden(Ogden { terms: terms.clone() }))
+                Ok(Material::Ogden(Ogden::new(terms)))
             }
             (None, Some(law), ..) if law != "neo-hookean" && law != "ogden" => {
                 bail!(

@@ -1,7 +1,5 @@
 //! From a network to its outcome: all rooms in a row.
 
-use serde::{Deserialize, Serialize};
-
 use super::evaluate::{FitnessSettings, LoadSettings, Scenarios, evaluate};
 use super::outcome::{Outcome, StageSeconds};
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
@@ -12,7 +10,7 @@ use crate::model::material::Material;
 use crate::solve::{Backend, SolverFailure};
 
 /// Everything that decides a candidate's outcome besides its network.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CandidateSettings {
     /// Where the chamber may be, mm.
     pub design_box: DesignBox,

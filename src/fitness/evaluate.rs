@@ -13,9 +13,7 @@ use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
 use crate::model::system::System;
 use crate::model::{ShellModel, Support};
-use crate::solve::{
-    Backend, Ending, Path, PathSettings, SolveTimes, SolverFailure, follow,
-};
+use crate::solve::{Backend, Ending, Path, PathSettings, SolveTimes, SolverFailure, follow};
 
 /// The loading programme.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -148,7 +146,10 @@ fn cut_short(path: &Path, pressure: f64, scenario: &str) -> Option<Rejected> {
         Rejected::new(
             Room::Solve,
             path.ending.name(),
-            format!("{scenario}: the path ends at {:.1} % of the largest pressure", 100.0 * reached),
+            format!(
+                "{scenario}: the path ends at {:.1} % of the largest pressure",
+                100.0 * reached
+            ),
             1.0 - reached,
         )
     })

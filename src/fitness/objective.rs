@@ -59,6 +59,7 @@ mod tests {
             plane_force,
             newton_iterations: 0,
             indefinite_iterations: 0,
+            stability: "stable",
         }
     }
 

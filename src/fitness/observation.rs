@@ -45,21 +45,28 @@ pub struct Observation {
     pub plane_force: f64,
     /// Newton iterations since the row before.
     pub newton_iterations: usize,
-    /// Iterations among them with an indefinite tangent: above 0 the path came near an instability.
+    /// Iterations among them with an indefinite tangent.
     pub indefinite_iterations: usize,
+    /// `stable`, or `stable_beyond_instability` when the way here led over indefinite tangents: a snap is likely.
+    pub stability: &'static str,
 }
 
 /// The rows of a path, the first at rest.
 #[must_use]
-pub fn observations(mesh: &ShellMesh, model: &ShellModel, points: &[PathPoint]) -> Vec<Observation> {
+pub fn observations(
+    mesh: &ShellMesh,
+    model: &ShellModel,
+    points: &[PathPoint],
+) -> Vec<Observation> {
     let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
-    let mut angle = 0.0;
+    let (mut before, mut last) = (0.0, 0.0);
     let observe = |(step, point): (usize, &PathPoint)| {
         let displacements = model.vertex_displacements(&point.x);
         let sum: Vec3 = mesh.tip.iter().map(|&v| displacements[v as usize]).sum();
         let tip = sum / mesh.tip.len() as f64;
         let chord = tip.xy().norm().atan2(mesh.length + tip.z);
-        angle = continued(angle, chord);
+        let angle = continued(2.0 * last - before, chord);
+        (before, last) = (last, angle);
         let deformed: Vec<Vec3> =
             mesh.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
         Observation {
@@ -77,15 +84,16 @@ pub fn observations(mesh: &ShellMesh, model: &ShellModel, points: &[PathPoint]) 
             plane_force: model.plane_force(&point.x),
             newton_iterations: point.newton_iterations,
             indefinite_iterations: point.shifted,
+            stability: if point.shifted == 0 { "stable" } else { "stable_beyond_instability" },
         }
     };
     points.iter().enumerate().map(observe).collect()
 }
 
-/// Of the two directions in the bending plane with this chord angle, the one nearer to the last.
-fn continued(last: f64, chord: f64) -> f64 {
+/// Of the two directions in the bending plane with this chord angle, the one nearer to the expected.
+fn continued(expected: f64, chord: f64) -> f64 {
     let behind = TAU - chord;
-    if (behind - last).abs() < (chord - last).abs() { behind } else { chord }
+    if (behind - expected).abs() < (chord - expected).abs() { behind } else { chord }
 }
 
 /// Sum of the area vectors of the facets whose corners all belong to the tip set, mm^2.
@@ -110,11 +118,12 @@ mod tests {
     /// A chord that turns past 180 degrees keeps growing although `atan2` of a length folds back.
     #[test]
     fn chord_angle_continues_past_half_a_turn() {
-        let mut angle = 0.0;
+        let (mut before, mut last) = (0.0, 0.0);
         for step in 1..=18 {
             let exact = f64::from(step) * PI / 10.0;
             let folded = if exact <= PI { exact } else { TAU - exact };
-            angle = continued(angle, folded);
+            let angle = continued(2.0 * last - before, folded);
+            (before, last) = (last, angle);
             assert_relative_eq!(angle, exact, epsilon = 1e-12);
         }
     }

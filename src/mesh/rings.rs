@@ -1,4 +1,6 @@
-//! Ordered neighbourhoods of a closed triangle mesh.
+//! Ordered neighbourhoods of a closed triangle mesh, listed once because every element asks for them.
+
+use crate::surface::{HalfEdges, MeshDefect};
 
 /// The neighbours of every vertex, counter-clockwise seen from outside.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -7,31 +9,13 @@ pub struct Rings {
 }
 
 impl Rings {
-    /// The rings of a closed manifold of `vertices` vertices; each begins at its smallest neighbour.
+    /// The rings of `triangles` over the vertices `0..vertices`.
     ///
-    /// # Panics
-    /// When a vertex has no closed fan: check the surface first.
-    #[must_use]
-    pub fn new(triangles: &[[u32; 3]], vertices: usize) -> Self {
-        let mut successors: Vec<Vec<(u32, u32)>> = vec![Vec::with_capacity(8); vertices];
-        for &[a, b, c] in triangles {
-            for [v, from, to] in [[a, b, c], [b, c, a], [c, a, b]] {
-                successors[v as usize].push((from, to));
-            }
-        }
-        let ring = |mut fan: Vec<(u32, u32)>| {
-            fan.sort_unstable();
-            let next = |from: u32| {
-                let found = fan.binary_search_by_key(&from, |&(from, _)| from);
-                fan[found.expect("the fan of a manifold vertex is closed")].1
-            };
-            let mut ring = vec![fan[0].0];
-            while ring.len() < fan.len() {
-                ring.push(next(ring[ring.len() - 1]));
-            }
-            ring
-        };
-        Self { rings: successors.into_iter().map(ring).collect() }
+    /// # Errors
+    /// [`MeshDefect`] unless the triangles form closed, consistently oriented 2-manifolds.
+    pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, MeshDefect> {
+        let adjacency = HalfEdges::new(vertices, triangles)?;
+        Ok(Self { rings: (0..vertices as u32).map(|v| adjacency.ring(v).collect()).collect() })
     }
 
     /// The number of vertices.
@@ -111,7 +95,8 @@ impl Stencil {
         let ring0 = [1, 2].into_iter().chain(a1..=a2).collect();
         let ring1 = [2, 0, a2].into_iter().chain(a2 + 1..=a0).collect();
         let closing = (n2 > 3).then_some(a1);
-        let ring2 = [0, 1, a0].into_iter().chain(a0 + 1..a0 + n2.max(4) - 3).chain(closing).collect();
+        let ring2 =
+            [0, 1, a0].into_iter().chain(a0 + 1..a0 + n2.max(4) - 3).chain(closing).collect();
         [ring0, ring1, ring2]
     }
 }
@@ -122,7 +107,9 @@ mod tests {
 
     #[test]
     fn local_rings_have_the_lengths_of_the_valences() {
-        for valences in [[6, 6, 6], [4, 5, 7], [4, 4, 4], [9, 8, 4], [3, 5, 6], [5, 3, 4], [6, 7, 3]] {
+        for valences in
+            [[6, 6, 6], [4, 5, 7], [4, 4, 4], [9, 8, 4], [3, 5, 6], [5, 3, 4], [6, 7, 3]]
+        {
             let rings = Stencil::local_rings(valences);
             let largest = rings.iter().flatten().max();
             assert_eq!(largest, Some(&(Stencil::local_size(valences) - 1)));
@@ -133,10 +120,19 @@ mod tests {
     /// On an octahedron every stencil is the whole mesh.
     #[test]
     fn stencils_of_an_octahedron_hold_every_vertex() {
-        let triangles =
-            [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
-        let rings = Rings::new(&triangles, 6);
-        assert_eq!(rings.ring(4), [0, 2, 1, 3]);
+        let triangles = [
+            [0, 2, 4],
+            [2, 1, 4],
+            [1, 3, 4],
+            [3, 0, 4],
+            [2, 0, 5],
+            [1, 2, 5],
+            [3, 1, 5],
+            [0, 3, 5],
+        ];
+        let rings = Rings::new(6, &triangles).unwrap();
+        let around_4: Vec<u32> = rings.ring_from(4, 0).collect();
+        assert_eq!(around_4, [0, 2, 1, 3]);
         for triangle in triangles {
             let mut nodes = Stencil::new(triangle, &rings).nodes;
             nodes.sort_unstable();

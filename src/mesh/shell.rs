@@ -47,12 +47,12 @@ pub struct ShellMesh {
 }
 
 impl ShellMesh {
-    /// The shell of a closed manifold `surface`.
+    /// The shell of `surface`.
     ///
     /// # Errors
-    /// [`Rejected`] when the clamp holds fewer than three vertices.
+    /// [`Rejected`] when the surface is no closed manifold, or the clamp holds fewer than three vertices.
     pub fn new(surface: TriangleMesh, settings: &ShellSettings) -> Result<Self, Rejected> {
-        let rings = Rings::new(&surface.triangles, surface.positions.len());
+        let rings = Rings::new(surface.positions.len(), &surface.triangles)?;
         let heights = || surface.positions.iter().map(|p| p.z);
         let base = heights().fold(f64::INFINITY, f64::min);
         let top = heights().fold(f64::NEG_INFINITY, f64::max);
@@ -66,12 +66,24 @@ impl ShellMesh {
             return Err(Rejected::new(
                 Room::Mesh,
                 "clamp_holds_nothing",
-                format!("the clamp below z = {clamp_top:.3} mm holds {} vertices, fewer than 3", clamp.len()),
+                format!(
+                    "the clamp below z = {clamp_top:.3} mm holds {} vertices, fewer than 3",
+                    clamp.len()
+                ),
                 1.0,
             ));
         }
         let tip = vertices_where(&|z| z > top - settings.tip_fraction * length);
         let stencils = surface.triangles.iter().map(|&t| Stencil::new(t, &rings)).collect();
-        Ok(Self { surface, rings, stencils, thickness: settings.thickness, clamp, tip, base, length })
+        Ok(Self {
+            surface,
+            rings,
+            stencils,
+            thickness: settings.thickness,
+            clamp,
+            tip,
+            base,
+            length,
+        })
     }
 }

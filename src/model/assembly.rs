@@ -138,7 +138,9 @@ impl Assembler {
                 let block = self.local.block(i, j);
                 for (c, start) in starts.iter().enumerate() {
                     let entry = start + 3 * slot as usize;
-                    for (sum, value) in tangent[entry..entry + 3].iter_mut().zip(block.column(c).iter()) {
+                    for (sum, value) in
+                        tangent[entry..entry + 3].iter_mut().zip(block.column(c).iter())
+                    {
                         *sum += value;
                     }
                 }

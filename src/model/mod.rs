@@ -12,5 +12,9 @@ pub mod local;
 pub mod material;
 mod shell_model;
 pub mod system;
+#[cfg(test)]
+mod term_suite;
+#[cfg(test)]
+mod test_shells;
 
 pub use shell_model::{ShellModel, Support};

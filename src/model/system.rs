@@ -14,9 +14,9 @@ pub struct Inadmissible(pub &'static str);
 /// Entries above the diagonal may be present (inside diagonal blocks); readers ignore them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SparsityPattern {
-    /// Start of each column in `row_indices`, [n + 1].
+    /// Start of each column in `row_indices`, `[n + 1]`.
     pub column_starts: Vec<u32>,
-    /// Row of each stored entry, [nnz].
+    /// Row of each stored entry, `[stored]`.
     pub row_indices: Vec<u32>,
 }
 

@@ -17,7 +17,7 @@ use super::literature::{Published, Set, Technique, published};
 pub struct FrontPoint {
     /// The design's name.
     pub id: String,
-    /// Bending objective `F_c`, rad/(m J^(1/p)); larger is better.
+    /// Bending objective `F_c`, rad/(m J)^(1/p); larger is better.
     pub bending: f64,
     /// Blocking objective `F_bf`, force per pressure, N/kPa; larger is better.
     pub blocking: f64,
@@ -65,7 +65,7 @@ fn draw_objectives(
     let x = linear_range(all.clone().map(|at| at[0]));
     let y = linear_range(all.map(|at| at[1]));
     let mut chart = canvas::panel(panel, "Objectives of this run")?.build_cartesian_2d(x, y)?;
-    canvas::draw_axes(&mut chart, "bending F_c, rad/(m·J^(1/p))", "blocking F_bf, N/kPa")?;
+    canvas::draw_axes(&mut chart, "bending F_c, rad/(m·J)^(1/p)", "blocking F_bf, N/kPa")?;
     for at in &evaluated {
         EVALUATED.draw(whole, chart.backend_coord(&(at[0], at[1])))?;
     }

@@ -6,7 +6,7 @@ use super::FrontPoint;
 #[must_use]
 pub fn front_table(front: &[FrontPoint]) -> String {
     let head = ["design", "F_c", "F_bf", "figure of merit", "largest force"];
-    let units = ["", "rad/(m J^1/p)", "N/kPa", "deg/(kPa m)", "N"];
+    let units = ["", "rad/(m J)^1/p", "N/kPa", "deg/(kPa m)", "N"];
     let rows = front.iter().map(|point| {
         let numbers = [point.bending, point.blocking, point.figure_of_merit, point.max_force];
         let [a, b, c, d] = numbers.map(significant);
@@ -56,7 +56,7 @@ mod tests {
         let table = front_table(&[point("7", 0.171_23, 0.0), point("g12-03", 54.2, 2e-4)]);
         let expected = "\
 design            F_c   F_bf  figure of merit  largest force
-        rad/(m J^1/p)  N/kPa      deg/(kPa m)              N
+        rad/(m J)^1/p  N/kPa      deg/(kPa m)              N
 7              0.1712  12.00          1.235e6              0
 g12-03          54.20  12.00          1.235e6       2.000e-4
 ";

@@ -1,7 +1,7 @@
 //! The sparse factorisation `P K P^T = L D L^T` of `faer`, planned once for each pattern.
 
-use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -12,6 +12,9 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::SolverFailure;
 use crate::model::system::SparsityPattern;
+
+/// Below every ratio of operations to entries; faer's own `FORCE_SUPERNODAL`, 0, leaves out diagonal matrices.
+const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
 
 /// A factorisation that can be repeated for new values in the same pattern.
 pub(super) struct LdlFactor {
@@ -29,13 +32,12 @@ impl LdlFactor {
             Side::Lower,
             SymmetricOrdering::Amd,
             CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
                 ..Default::default()
             },
         )
         .map_err(|error| SolverFailure { library: "faer", message: error.to_string() })?;
-        let scratch =
-            symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default());
+        let scratch = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default());
         let solve_scratch = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
         Ok(Self {
             pattern: pattern.clone(),
@@ -44,6 +46,10 @@ impl LdlFactor {
             solve_memory: MemBuffer::new(solve_scratch),
             symbolic,
         })
+    }
+
+    pub(super) fn pattern(&self) -> &SparsityPattern {
+        &self.pattern
     }
 
     /// Factorises `values [stored]`; the number of negative pivots, `None` when a pivot is zero.
@@ -70,7 +76,7 @@ impl LdlFactor {
             let block = factor.supernode(s).val();
             for k in 0..block.ncols() {
                 let pivot: f64 = block[(k, k)];
-                if !pivot.is_finite() {
+                if pivot == 0.0 || !pivot.is_finite() {
                     return None;
                 }
                 negative += usize::from(pivot < 0.0);

@@ -26,7 +26,8 @@ pub(super) struct Step {
 
 /// Finds a step along `dx [n]` from `x [n]` that lowers the energy; `trial [n]` receives `x + length dx`.
 ///
-/// `slope` is `R . dx`, negative for a direction of descent. `None` when no admissible step lowers the energy.
+/// `slope` is `R . dx`, negative for a direction of descent. `None` when `dx` leads uphill or no
+/// admissible step lowers the energy.
 pub(super) fn search(
     system: &mut dyn System,
     x: &[f64],
@@ -35,7 +36,7 @@ pub(super) fn search(
     slope: f64,
     trial: &mut [f64],
 ) -> Option<Step> {
-    if slope > 0.0 {
+    if slope > 0.0 || slope.is_nan() {
         return None;
     }
     let slack = ROUNDING * energy.abs();

@@ -7,10 +7,13 @@ mod backend;
 mod factor;
 mod line_search;
 mod native;
+mod observed;
 mod path;
 #[cfg(feature = "petsc")]
 mod petsc;
 mod shift;
+#[cfg(test)]
+mod solver_suite;
 #[cfg(test)]
 mod test_systems;
 
@@ -103,6 +106,10 @@ pub trait EquilibriumSolver {
 
     /// Factorises the unshifted tangent at `x [n]` and returns its number of negative pivots.
     ///
+    /// A singular tangent, as at a limit point, has more than [`System::stable_negative_pivots`]: at least one
+    /// direction is lost. Where `x` is the solution that [`Self::solve`] just found, its last tangent may be used again:
+    /// the system must not have changed in between.
+    ///
     /// # Errors
     /// [`SolverFailure`] when the library fails.
     ///
@@ -114,6 +121,9 @@ pub trait EquilibriumSolver {
     ///
     /// # Errors
     /// [`SolverFailure`] when the library fails.
+    ///
+    /// # Panics
+    /// When no tangent that can be inverted was [`Self::linearize`]d since the last [`Self::solve`].
     fn solve_linearized(&mut self, b: &mut [f64]) -> Result<(), SolverFailure>;
 
     /// CPU seconds so far.

@@ -78,9 +78,9 @@ pub struct PathPoint {
     pub work: f64,
     /// Potential energy without the load's own, mJ: what the wall and the barriers store.
     pub stored_energy: f64,
-    /// The unknowns, [n].
+    /// The unknowns, `[n]`.
     pub x: Vec<f64>,
-    /// Their derivative with respect to the load, [n].
+    /// Their derivative with respect to the load, `[n]`.
     pub rate: Vec<f64>,
     /// The conjugate's derivative with respect to the load.
     pub conjugate_rate: f64,
@@ -138,7 +138,8 @@ impl Walk<'_> {
         }
         let sample = |k: usize| max_load * k as f64 / self.settings.steps as f64;
         let half_step = 0.5 * sample(1);
-        let first = (1..=self.settings.steps).find(|&k| sample(k) > self.last().load + half_step * 1e-9);
+        let first =
+            (1..=self.settings.steps).find(|&k| sample(k) > self.last().load + half_step * 1e-9);
         let Some(first) = first else {
             return Ok(Ending::Reached);
         };
@@ -157,7 +158,8 @@ impl Walk<'_> {
         let mut step = target - self.last().load;
         loop {
             let remaining = target - self.last().load;
-            let load = if step >= remaining * (1.0 - 1e-9) { target } else { self.last().load + step };
+            let load =
+                if step >= remaining * (1.0 - 1e-9) { target } else { self.last().load + step };
             match self.try_load(load)? {
                 Ok(()) if load == target => return Ok(None),
                 Ok(()) => {}

@@ -1,8 +1,16 @@
 //! How an indefinite tangent is shifted, shared by every solver: `K + sigma I`.
 
+use std::iter;
+
+/// The shifts to try in turn, none first, for a tangent whose diagonal has this mean size.
+pub(super) fn shifts(mean_diagonal: f64) -> impl Iterator<Item = f64> {
+    let grown = |&shift: &f64| Some(SHIFT_GROWTH * shift);
+    let growing = iter::successors(Some(FIRST_SHIFT * mean_diagonal), grown);
+    iter::once(0.0).chain(growing.take(MOST_SHIFTS))
+}
+
 /// First shift as a fraction of the mean diagonal: small enough to keep Newton's speed beside a limit point.
-pub(super) const FIRST_SHIFT: f64 = 1e-5;
-/// Growth of the shift from one try to the next.
-pub(super) const SHIFT_GROWTH: f64 = 4.0;
-/// Tries; the last shift is 1e13 times the mean diagonal, which no finite tangent outweighs.
-pub(super) const MOST_SHIFTS: usize = 30;
+const FIRST_SHIFT: f64 = 1e-5;
+const SHIFT_GROWTH: f64 = 4.0;
+/// The last shift is 3e12 times the mean diagonal, which no finite tangent outweighs.
+const MOST_SHIFTS: usize = 30;

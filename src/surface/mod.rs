@@ -7,11 +7,11 @@
 //! ([`TriangleMesh::check_closed_manifold`]); what stays a property of the field, such as a wall
 //! thinner than the printer can make, is not judged here.
 
-mod primitives;
 mod chamber;
 mod half_edges;
 mod isosurface;
 mod mesh_defect;
+mod primitives;
 mod quality;
 mod remesh;
 mod self_intersection;

@@ -2,4 +2,5 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod basic_bend;
+mod ellipsoid;
 mod inflated_sphere;

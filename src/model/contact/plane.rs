@@ -100,9 +100,13 @@ impl PlaneContact {
     pub fn force(&self, positions: &[Vec3]) -> f64 {
         let sample_force = |s: usize| {
             let gap = self.gap(s, positions);
-            if gap < self.settings.activation { -self.weight(s) * self.barrier(gap)[1] } else { 0.0 }
+            if gap < self.settings.activation {
+                -self.weight(s) * self.barrier(gap)[1]
+            } else {
+                0.0
+            }
         };
-        (0..self.nodes.len()).map(sample_force).sum()
+        (0..self.nodes.len()).map(sample_force).fold(0.0, |sum, force| sum + force)
     }
 
     /// The largest part of the displacement `dx` that leaves every sample on its side of the plane, at most 1.
@@ -194,5 +198,140 @@ impl Term for PlaneContact {
             }
         }
         Ok(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion};
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::model::term_suite::{Case, term_suite};
+    use crate::model::test_shells::{TestShell, difference, random_matrix};
+
+    const NORMAL: [f64; 3] = [0.48, -0.6, 0.64];
+    const ACTIVATION: f64 = 4.0;
+
+    fn contact(shell: &TestShell, offset: f64, activation: f64) -> PlaneContact {
+        let settings = PlaneSettings { normal: NORMAL, offset, activation, stiffness: 0.7 };
+        PlaneContact::new(&shell.mesh, &shell.bases, &shell.reference, settings)
+    }
+
+    /// A tilted plane so near that the closest sample has a gap of 0.4 mm.
+    fn touching(shell: &TestShell) -> Case<PlaneContact> {
+        let offset = contact(shell, 0.0, ACTIVATION).smallest_gap(&shell.deformed) - 0.4;
+        let term = contact(shell, offset, ACTIVATION);
+        // In the plane, and about its normal.
+        let normal = Vec3::from(NORMAL);
+        let rotation = UnitQuaternion::from_axis_angle(&Unit::new_normalize(normal), 0.8);
+        let slide = Translation3::from(normal.cross(&Vec3::new(2.0, 5.0, -1.0)));
+        let motion = Isometry3::from_parts(slide, rotation);
+        Case { term, positions: shell.deformed.clone(), motion }
+    }
+
+    term_suite!(plane, touching);
+
+    fn energy(contact: &PlaneContact, positions: &[Vec3]) -> f64 {
+        let stencil_energy = |(s, nodes): (usize, &Vec<u32>)| {
+            let x: Vec<Vec3> = nodes.iter().map(|&v| positions[v as usize]).collect();
+            contact.energy(s, &x).unwrap()
+        };
+        contact.nodes.iter().enumerate().map(stencil_energy).sum()
+    }
+
+    /// `b` and its first two derivatives vanish at the activation, as `e^3`, `e^2` and `e` at a share `e` below it.
+    #[test]
+    fn barrier_starts_smoothly() {
+        let contact = touching(&TestShell::new(0)).term;
+        for share in [1e-3, 1e-4, 1e-5] {
+            let [value, slope, curvature] = contact.barrier(ACTIVATION * (1.0 - share));
+            let h = ACTIVATION;
+            // -(h e)^2 ln(1 - e) to leading order; what is left out is of relative size 2 e.
+            let close = |value: f64, leading: f64| (value / leading - 1.0).abs() < 2.0 * share;
+            assert!(close(value, share.powi(3) * h * h), "{value}");
+            assert!(close(slope, -3.0 * share * share * h), "{slope}");
+            assert!(close(curvature, 6.0 * share), "{curvature}");
+        }
+    }
+
+    /// Raising the plane by `s` costs `force * s`; the wall is pushed along the normal with that force.
+    #[test]
+    fn force_is_what_raising_the_plane_costs() {
+        let shell = TestShell::new(1);
+        let case = touching(&shell);
+        let offset = case.term.settings.offset;
+        let force = case.term.force(&case.positions);
+        let slope =
+            difference(1e-3, |s| energy(&contact(&shell, offset + s, ACTIVATION), &case.positions));
+        // (step / gap)^4 = 4e-11.
+        assert!((force / slope - 1.0).abs() < 1e-9, "{force} {slope}");
+        let lifted = difference(1e-3, |s| {
+            let lifted: Vec<Vec3> =
+                case.positions.iter().map(|x| x + s * Vec3::from(NORMAL)).collect();
+            energy(&case.term, &lifted)
+        });
+        assert!((force / lifted + 1.0).abs() < 1e-9, "{force} {lifted}");
+    }
+
+    #[test]
+    fn far_plane_does_nothing() {
+        let shell = TestShell::new(2);
+        let offset = contact(&shell, 0.0, ACTIVATION).smallest_gap(&shell.deformed) - ACTIVATION;
+        let far = contact(&shell, offset - 1e-9, ACTIVATION);
+        assert!((0..far.nodes.len()).all(|s| !far.is_active(s, &shell.deformed)));
+        assert_eq!((energy(&far, &shell.deformed), far.force(&shell.deformed)), (0.0, 0.0));
+    }
+
+    #[test]
+    fn wall_behind_the_plane_is_inadmissible() {
+        let shell = TestShell::new(3);
+        let offset = contact(&shell, 0.0, ACTIVATION).smallest_gap(&shell.deformed);
+        let behind = contact(&shell, offset + 1e-9, ACTIVATION);
+        let admissible = |(s, nodes): (usize, &Vec<u32>)| {
+            let x: Vec<Vec3> = nodes.iter().map(|&v| shell.deformed[v as usize]).collect();
+            assert!(behind.is_active(s, &shell.deformed) || behind.energy(s, &x) == Ok(0.0));
+            behind.energy(s, &x).is_ok()
+        };
+        let inadmissible = behind.nodes.iter().enumerate().filter(|&it| !admissible(it)).count();
+        assert_eq!(inadmissible, 1);
+    }
+
+    /// The longest step leaves every sample a tenth of its gap, and some sample no more.
+    #[test]
+    fn longest_step_keeps_every_gap() {
+        let mut chance = ChaCha8Rng::seed_from_u64(7);
+        let case = touching(&TestShell::new(4));
+        for size in [0.01, 1.0, 30.0] {
+            for _ in 0..10 {
+                let dx: Vec<Vec3> = (case.positions.iter())
+                    .map(|_| random_matrix(&mut chance, size).column(0).into_owned())
+                    .collect();
+                let step = case.term.longest_step(&case.positions, &dx);
+                assert!(0.0 < step && step <= 1.0);
+                assert!(size > 0.01 || step == 1.0);
+                let there: Vec<Vec3> =
+                    case.positions.iter().zip(&dx).map(|(x, dx)| x + step * dx).collect();
+                let left = |s| case.term.gap(s, &there) / case.term.gap(s, &case.positions);
+                let least = (0..case.term.nodes.len()).map(left).fold(f64::INFINITY, f64::min);
+                // Rounding of a gap of 0.4 mm at coordinates of 10 mm.
+                assert!(least >= 0.1 - 1e-12, "{least}");
+                assert!(step == 1.0 || least <= 0.1 + 1e-12, "{least}");
+            }
+        }
+    }
+
+    /// The samples' areas are all of the limit surface's facets, whatever the mesh.
+    #[test]
+    fn areas_of_the_samples_add_up() {
+        let shell = TestShell::new(6);
+        let contact = touching(&shell).term;
+        let (samples, facets) = samples(&shell.mesh.stencils, &shell.bases, &shell.mesh.rings);
+        let positions: Vec<Vec3> = samples.iter().map(|s| s.point(&shell.reference)).collect();
+        let facets = crate::surface::TriangleMesh { positions, triangles: facets };
+        assert_eq!(facets.check_closed_manifold(), Ok(()));
+        let sum: f64 = contact.areas.iter().sum();
+        assert!((sum / facets.area() - 1.0).abs() < 1e-13, "{sum}");
     }
 }

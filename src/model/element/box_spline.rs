@@ -77,7 +77,10 @@ mod tests {
 
     use super::*;
 
+    type Polynomial<'a> = &'a dyn Fn(f64, f64) -> f64;
+
     /// Positions of the twelve control points on the regular lattice, as (v, w).
+    #[rustfmt::skip]
     const LATTICE: [[f64; 2]; 12] = [
         [0., -1.], [-1., 0.], [1., -1.], [0., 0.], [-1., 1.], [2., -1.],
         [1., 0.], [0., 1.], [-1., 2.], [2., 0.], [1., 1.], [0., 2.],
@@ -88,7 +91,7 @@ mod tests {
     fn derivatives_of_polynomials_are_exact() {
         for (v, w) in [(1.0 / 3.0, 1.0 / 3.0), (0.1, 0.7), (0.5, 0.0)] {
             let basis = derivatives(v, w);
-            let apply = |f: &dyn Fn(f64, f64) -> f64| {
+            let apply = |f: Polynomial| {
                 let mut sum = [0.0; 5];
                 for (values, [v, w]) in basis.iter().zip(LATTICE) {
                     for (sum, value) in sum.iter_mut().zip(values) {
@@ -97,7 +100,7 @@ mod tests {
                 }
                 sum
             };
-            let cases: [(&dyn Fn(f64, f64) -> f64, [f64; 5]); 5] = [
+            let cases: [(Polynomial, [f64; 5]); 5] = [
                 (&|_, _| 1.0, [0.0; 5]),
                 (&|v, _| v, [1.0, 0.0, 0.0, 0.0, 0.0]),
                 (&|_, w| w, [0.0, 1.0, 0.0, 0.0, 0.0]),

@@ -126,6 +126,9 @@ pub(in crate::model) fn ascending<const N: usize>(
 /// The limit points of all vertices, then of all edge midpoints, and the facets between them.
 ///
 /// Four facets for each triangle; together they bound the surface that carries pressure and contact.
+///
+/// # Panics
+/// When a vertex of `rings` has no triangle.
 #[must_use]
 pub fn samples(
     stencils: &[Stencil],
@@ -160,7 +163,8 @@ pub fn samples(
         });
         facets.extend(SUBTRIANGLES.map(|facet| facet.map(|point| local[point])));
     }
-    let samples = samples.into_iter().map(|s| s.expect("every vertex of a closed mesh has a triangle"));
+    let samples =
+        samples.into_iter().map(|s| s.expect("every vertex of a closed mesh has a triangle"));
     (samples.collect(), facets)
 }
 
@@ -206,8 +210,18 @@ impl Patch {
         }
         let [r0, r1, r2] = &self.rings;
         let control: [&Row; 12] = [
-            &r0[4], &r0[3], &r0[5], &self.corners[0], &r0[2], &r1[3], &self.corners[1],
-            &self.corners[2], &r2[4], &r1[4], &r1[5], &r2[3],
+            &r0[4],
+            &r0[3],
+            &r0[5],
+            &self.corners[0],
+            &r0[2],
+            &r1[3],
+            &self.corners[1],
+            &self.corners[2],
+            &r2[4],
+            &r1[4],
+            &r1[5],
+            &r2[3],
         ];
         let basis = box_spline::derivatives(1.0 / 3.0, 1.0 / 3.0);
         let row = |k: usize| {
@@ -330,4 +344,168 @@ fn combination<'a>(terms: impl IntoIterator<Item = (f64, &'a Row)>) -> Row {
 
 fn transpose<const N: usize>(rows: &[&Row; N]) -> Vec<[f64; N]> {
     (0..rows[0].len()).map(|i| std::array::from_fn(|k| rows[k][i])).collect()
+}
+
+/// The control points of a regular triangle of edge 1 with corners (0, 0), (1, 0), (1/2, 0.75f64.sqrt()).
+#[cfg(test)]
+pub(super) fn regular_lattice() -> Vec<crate::math::Vec3> {
+    use crate::math::Vec3;
+
+    let direction = |sixths: usize| {
+        let angle = TAU * sixths as f64 / 6.0;
+        Vec3::new(angle.cos(), angle.sin(), 0.0)
+    };
+    let mut points = vec![Vec3::zeros(); Stencil::local_size([6; 3])];
+    (points[1], points[2]) = (direction(0), direction(1));
+    // The ring of corner i begins at corner i + 1, seen in the direction of 120 i degrees.
+    for (i, ring) in Stencil::local_rings([6; 3]).iter().enumerate() {
+        for (k, &index) in ring.iter().enumerate() {
+            points[index] = points[i] + direction(2 * i + k);
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::model::test_shells::TestShell;
+
+    /// Constant functions are reproduced for all valences: derivatives sum to 0, limit weights to 1.
+    #[test]
+    fn weights_sum_to_zero_and_one() {
+        for valences in (0..343).map(|k| [3 + k % 7, 3 + k / 7 % 7, 3 + k / 49]) {
+            let basis = LoopBasis::new(valences);
+            // Some fifty products of numbers up to 10.
+            for k in 0..5 {
+                let sum: f64 = basis.barycentre.iter().map(|row| row[k]).sum();
+                assert!(sum.abs() < 1e-13, "{valences:?}: {sum:e}");
+            }
+            for k in 0..6 {
+                let sum: f64 = basis.limit.iter().map(|row| row[k]).sum();
+                assert!((sum - 1.0).abs() < 1e-14, "{valences:?}: {sum:e}");
+            }
+            for (_, rows) in &basis.area_points {
+                let sum: f64 = rows.iter().map(|row| row[0] + row[1]).sum();
+                assert!(sum.abs() < 1e-13, "{valences:?}: {sum:e}");
+            }
+        }
+    }
+
+    /// A regular flat patch is reproduced as it is.
+    #[test]
+    fn regular_lattice_is_its_own_limit() {
+        let x = regular_lattice();
+        let basis = LoopBasis::new([6; 3]);
+        let sum = |weight: &dyn Fn(usize) -> f64| -> Vec3 {
+            x.iter().enumerate().map(|(i, x)| weight(i) * x).sum()
+        };
+        let corners = [x[0], x[1], x[2]];
+        for k in 0..3 {
+            let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+            assert!((sum(&|i| basis.limit[i][k]) - a).norm() < 1e-15);
+            assert!((sum(&|i| basis.limit[i][3 + k]) - (b + c) / 2.0).norm() < 1e-15);
+        }
+        let edges = [x[1] - x[0], x[2] - x[0]];
+        for (k, exact) in edges.into_iter().chain([Vec3::zeros(); 3]).enumerate() {
+            assert!((sum(&|i| basis.barycentre[i][k]) - exact).norm() < 1e-14);
+        }
+        assert!((basis.area(&x) - 0.1875_f64.sqrt()).abs() < 1e-15);
+    }
+
+    /// Loop's scheme once, by its textbook masks; the edge points in the order of [`samples`].
+    fn subdivided(triangles: &[[u32; 3]], x: &[Vec3]) -> (Vec<[u32; 3]>, Vec<Vec3>) {
+        let rings = Rings::new(x.len(), triangles).unwrap();
+        let at = |v: u32| x[v as usize];
+        let vertex_point = |v: u32| {
+            let ring = rings.ring(v);
+            let n = ring.len() as f64;
+            let weight = (0.625 - (0.375 + (TAU / n).cos() / 4.0).powi(2)) / n;
+            at(v) * (1.0 - n * weight) + weight * ring.iter().map(|&w| at(w)).sum::<Vec3>()
+        };
+        let mut fine: Vec<Vec3> = (0..x.len() as u32).map(vertex_point).collect();
+        let mut edges = BTreeMap::new();
+        let mut children = Vec::new();
+        for &triangle in triangles {
+            let middle: [u32; 3] = std::array::from_fn(|i| {
+                let [a, b] = [triangle[(i + 1) % 3], triangle[(i + 2) % 3]];
+                *edges.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    let ring = rings.ring(a);
+                    let k = ring.iter().position(|&v| v == b).unwrap();
+                    let n = ring.len();
+                    let sides = at(ring[(k + 1) % n]) + at(ring[(k + n - 1) % n]);
+                    fine.push(0.375 * (at(a) + at(b)) + 0.125 * sides);
+                    fine.len() as u32 - 1
+                })
+            });
+            let [a, b, c] = triangle;
+            let [bc, ca, ab] = middle;
+            children.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], middle]);
+        }
+        (children, fine)
+    }
+
+    fn elements(triangles: &[[u32; 3]], vertices: usize) -> (Vec<Stencil>, Rings) {
+        let rings = Rings::new(vertices, triangles).unwrap();
+        (triangles.iter().map(|&t| Stencil::new(t, &rings)).collect(), rings)
+    }
+
+    fn limit_points(triangles: &[[u32; 3]], x: &[Vec3]) -> Vec<Vec3> {
+        let (stencils, rings) = elements(triangles, x.len());
+        let bases = LoopBasis::of_stencils(&stencils);
+        let (samples, _) = samples(&stencils, &bases, &rings);
+        samples.iter().map(|sample| sample.point(x)).collect()
+    }
+
+    /// A mesh and its subdivisions have the same limit points, and each vertex comes nearer to its own in powers
+    /// of `(3/8 + cos(2 pi / n) / 4)^2`.
+    #[test]
+    fn limit_points_are_those_of_deep_subdivision() {
+        const LEVELS: i32 = 5;
+        for seed in 0..2 {
+            let shell = TestShell::new(seed);
+            let rings = &shell.mesh.rings;
+            let (mut triangles, mut x) = (shell.mesh.surface.triangles, shell.deformed.clone());
+            let limit = limit_points(&triangles, &x);
+            for level in 0..LEVELS {
+                (triangles, x) = subdivided(&triangles, &x);
+                if level < 2 {
+                    let same = limit_points(&triangles, &x);
+                    // A few roundings of coordinates of 10 mm.
+                    assert!(limit.iter().zip(&same).all(|(a, b)| (a - b).norm() < 1e-13));
+                }
+            }
+            for (v, (start, limit)) in shell.deformed.iter().zip(&limit).enumerate() {
+                let n = rings.ring(v as u32).len() as f64;
+                let rate = (0.375 + (TAU / n).cos() / 4.0).powi(2 * LEVELS);
+                assert!((start - limit).norm() > 0.1);
+                assert!((x[v] - limit - rate * (start - limit)).norm() < 1e-13, "vertex {v}");
+            }
+        }
+    }
+
+    /// The middle child of an element has its barycentre; where the element is regular, at half the scale.
+    #[test]
+    fn derivatives_are_those_of_the_middle_child() {
+        let shell = TestShell::new(2);
+        let triangles = &shell.mesh.surface.triangles;
+        let (children, fine) = subdivided(triangles, &shell.deformed);
+        let (stencils, _) = elements(&children, fine.len());
+        let derivatives = |stencil: &Stencil, x: &[Vec3]| -> [Vec3; 5] {
+            let basis = LoopBasis::new(stencil.valences);
+            let pairs = || stencil.nodes.iter().zip(&basis.barycentre);
+            std::array::from_fn(|k| pairs().map(|(&v, row)| row[k] * x[v as usize]).sum())
+        };
+        for (t, stencil) in shell.mesh.stencils.iter().enumerate() {
+            let middle = &stencils[4 * t + 3];
+            assert_eq!(middle.valences, [6; 3]);
+            let scale = if stencil.valences == [6; 3] { -0.5 } else { 1.0 };
+            let (whole, part) = (derivatives(stencil, &shell.deformed), derivatives(middle, &fine));
+            for (k, (whole, part)) in whole.iter().zip(&part).enumerate() {
+                let scale = if k < 2 { scale } else { scale * scale };
+                assert!((scale * whole - part).norm() < 1e-13, "element {t}, derivative {k}");
+            }
+        }
+    }
 }

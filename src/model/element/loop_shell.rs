@@ -207,7 +207,11 @@ fn scatter(hessian: &[[Matrix3<f64>; 5]; 5], basis: &[[f64; 5]], local: &mut Loc
     for (j, column) in basis.iter().enumerate() {
         let half: [Matrix3<f64>; 5] = std::array::from_fn(|s| {
             let h = &hessian[s];
-            h[0] * column[0] + h[1] * column[1] + h[2] * column[2] + h[3] * column[3] + h[4] * column[4]
+            h[0] * column[0]
+                + h[1] * column[1]
+                + h[2] * column[2]
+                + h[3] * column[3]
+                + h[4] * column[4]
         });
         for (i, row) in basis.iter().enumerate().skip(j) {
             *local.block_mut(i, j) += half[0] * row[0]
@@ -276,6 +280,7 @@ impl Derivatives {
     }
 
     /// The energy's Hessian with respect to `d`.
+    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
     fn hessian(&self, energy: &Jet) -> [[Matrix3<f64>; 5]; 5] {
         let [a1, a2, ..] = &self.d;
         let q = &energy.gradient;
@@ -324,8 +329,9 @@ impl Derivatives {
             moment += q[3 + k] * self.d[2 + k];
         }
         let v = per_area * moment;
-        let of_normal = -(v * n.transpose() + n * v.transpose() + projector * (moment.dot(n) / self.jacobian))
-            / self.jacobian;
+        let of_normal =
+            -(v * n.transpose() + n * v.transpose() + projector * (moment.dot(n) / self.jacobian))
+                / self.jacobian;
         let area = [-a2.cross_matrix(), a1.cross_matrix()];
         h[0][0] += area[0].transpose() * of_normal * area[0];
         h[1][1] += area[1].transpose() * of_normal * area[1];
@@ -366,6 +372,7 @@ impl Point {
     }
 
     /// The point's energy with its derivatives with respect to `(a11, a22, a12, b11, b22, b12)`.
+    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
     fn energy_of_forms(&self, a: Form, b: Form, material: &Material) -> Result<Jet, Inadmissible> {
         let det_a = det(a);
         let l3 = self.sqrt_det_a / det_a.sqrt();
@@ -385,7 +392,8 @@ impl Point {
             let [psi_tt, psi_tj, psi_jj] = density.second;
             let dt = layer.inverse_metric;
             let dj = [g[1], g[0], -2.0 * g[2]].map(|v| v * layer.inverse_det);
-            let first: Form = std::array::from_fn(|k| layer.volume * (psi_t * dt[k] + psi_j * dj[k]));
+            let first: Form =
+                std::array::from_fn(|k| layer.volume * (psi_t * dt[k] + psi_j * dj[k]));
             let mut second: [[f64; 3]; 3] = std::array::from_fn(|k| {
                 let on_t = layer.volume * (psi_tt * dt[k] + psi_tj * dj[k]);
                 let on_j = layer.volume * (psi_tj * dt[k] + psi_jj * dj[k]);
@@ -397,9 +405,8 @@ impl Point {
             second[2][2] -= 2.0 * curvature_of_j;
 
             let dg: [[f64; VARIABLES]; 3] = std::array::from_fn(|k| {
-                let mut row: [f64; VARIABLES] = std::array::from_fn(|i| {
-                    -2.0 * z * p[k].gradient[i] + z * z * q[k].gradient[i]
-                });
+                let mut row: [f64; VARIABLES] =
+                    std::array::from_fn(|i| -2.0 * z * p[k].gradient[i] + z * z * q[k].gradient[i]);
                 row[k] += 1.0;
                 row
             });
@@ -486,5 +493,88 @@ fn check_shifter(z: f64, a: Form, b: Form, det_a: f64) -> Result<(), Inadmissibl
         Ok(())
     } else {
         Err(Inadmissible("a fold is tighter than half the wall"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Isometry3, Matrix2, UnitQuaternion};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::model::element::loop_patch::regular_lattice;
+    use crate::model::material::{NeoHookean, Ogden};
+    use crate::model::term_suite::{Case, term_suite};
+    use crate::model::test_shells::TestShell;
+
+    const NEO_HOOKEAN: Material = Material::NeoHookean(NeoHookean { mu: 1.3 });
+
+    fn wall(shell: &TestShell, material: Material) -> Case<LoopShell> {
+        let term = LoopShell::new(&shell.mesh, &shell.bases, &shell.reference, material).unwrap();
+        assert_eq!(term.creased_share(), 0.0);
+        let motion = Isometry3::new(Vec3::new(3.0, -5.0, 2.0), Vec3::new(0.4, 1.9, -0.7));
+        Case { term, positions: shell.deformed.clone(), motion }
+    }
+
+    term_suite!(neo_hookean, |shell| wall(shell, NEO_HOOKEAN));
+    term_suite!(ogden, |shell| wall(shell, Material::Ogden(Ogden::ninjaflex_c2s())));
+
+    /// Control points anywhere in a plane, stretched alike: `W = psi t A` for any valences (the patch test).
+    #[test]
+    fn membrane_patch_has_the_exact_energy() {
+        let mut chance = ChaCha8Rng::seed_from_u64(3);
+        let (mu, thickness) = (1.3, 0.7);
+        for valences in [[6, 6, 6], [5, 6, 7], [4, 8, 5], [3, 9, 4]] {
+            let basis = LoopBasis::new(valences);
+            let angle = |k: usize| 2.4 * k as f64;
+            let flat: Vec<Vec3> = (0..basis.barycentre.len())
+                .map(|k| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0) * (k as f64 + 1.0).sqrt())
+                .map(|x| x + 0.1 * Vec3::new(chance.random(), chance.random(), 0.0))
+                .collect();
+            let area = basis.area(&flat);
+            let rows = &basis.barycentre;
+            let point = Point::new(rows, &flat, thickness, 1.0, area).unwrap();
+            let shell = LoopShell {
+                stencils: vec![(0..flat.len() as u32).collect()],
+                points: vec![point],
+                basis: vec![rows.clone()],
+                material: NEO_HOOKEAN,
+                creased_share: 0.0,
+            };
+            for stretch in [Matrix2::new(1.0, 0.0, 0.0, 1.0), Matrix2::new(1.5, 0.3, -0.2, 0.8)] {
+                let turn = UnitQuaternion::from_scaled_axis(Vec3::new(0.3, -1.0, 0.5));
+                let stretched: Vec<Vec3> =
+                    flat.iter().map(|x| turn * (stretch * x.xy()).push(0.0)).collect();
+                let (trace, det) = (stretch.norm_squared(), stretch.determinant());
+                let exact = mu / 2.0 * (trace + det.powi(-2) - 3.0) * thickness * area;
+                let energy = shell.energy(0, &stretched).unwrap();
+                assert!((energy - exact).abs() < 1e-13 * mu * thickness * area, "{energy} {exact}");
+            }
+        }
+    }
+
+    /// A flat wall bent to the curvature `k` at constant length stores `D k^2 / 2` with `D = 4 mu t^3 / 12`.
+    #[test]
+    fn bending_stiffness_is_that_of_a_plate() {
+        let (mu, thickness) = (1.3, 0.7);
+        let basis = LoopBasis::new([6; 3]);
+        let mut point =
+            Point::new(&basis.barycentre, &regular_lattice(), thickness, 1.0, 1.0).unwrap();
+        point.sqrt_det_a = 1.0;
+        for layer in &mut point.layers {
+            (layer.inverse_metric, layer.inverse_det) = ([1.0, 1.0, 0.0], 1.0);
+        }
+        let metric = [1.0, 1.0, 0.0];
+        for bend in [1e-2, 1e-3] {
+            let k = bend / thickness;
+            for form in [[k, 0.0, 0.0], [0.0, -k, 0.0]] {
+                let exact = mu * thickness.powi(3) * k * k / 6.0;
+                let energy = point.energy_of_forms(metric, form, &NEO_HOOKEAN).unwrap().value;
+                // Of second order in the bend; rounding is relative to mu t.
+                let tolerance = bend * bend + 1e-15 * mu * thickness / exact;
+                assert!((energy / exact - 1.0).abs() < tolerance, "{energy} {exact}");
+            }
+        }
     }
 }

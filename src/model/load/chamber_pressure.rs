@@ -138,3 +138,85 @@ fn facet_hessian_axes(points: &[Vec3; 6]) -> [[Vec3; 6]; 6] {
     }
     axes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::term_suite::{Case, term_suite};
+    use crate::model::test_shells::{TestShell, difference};
+    use nalgebra::Isometry3;
+
+    const PRESSURE: f64 = 0.03;
+
+    fn pressurised(shell: &TestShell) -> Case<ChamberPressure> {
+        let mut term = ChamberPressure::new(&shell.mesh, &shell.bases);
+        term.pressure = PRESSURE;
+        let motion = Isometry3::new(Vec3::new(3.0, -5.0, 2.0), Vec3::new(0.4, 1.9, -0.7));
+        Case { term, positions: shell.deformed.clone(), motion }
+    }
+
+    term_suite!(chamber, pressurised);
+
+    /// Force and moment of the pressure vanish to rounding against pressure times area (times 10 mm), as on any
+    /// closed surface.
+    #[test]
+    fn pressure_is_in_balance() {
+        for seed in 0..4 {
+            let shell = TestShell::new(seed);
+            let chamber = ChamberPressure::new(&shell.mesh, &shell.bases);
+            let mut gradient = vec![Vec3::zeros(); shell.deformed.len()];
+            chamber.add_volume_gradient(&shell.deformed, &mut gradient);
+            let area: f64 = gradient.iter().map(|g| g.norm()).sum();
+            let force: Vec3 = gradient.iter().sum();
+            let moment: Vec3 = shell.deformed.iter().zip(&gradient).map(|(x, g)| x.cross(g)).sum();
+            assert!(force.norm() <= 1e-15 * area, "{:e}", force.norm() / area);
+            assert!(moment.norm() <= 1e-15 * area * 10.0, "{:e}", moment.norm() / area);
+            // Euler: the volume is of degree three.
+            let virial: f64 = shell.deformed.iter().zip(&gradient).map(|(x, g)| x.dot(g)).sum();
+            let volume = chamber.volume(&shell.deformed);
+            assert!((virial / (3.0 * volume) - 1.0).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn volume_gradient_is_the_difference_of_the_volume() {
+        let shell = TestShell::new(5);
+        let chamber = ChamberPressure::new(&shell.mesh, &shell.bases);
+        let mut gradient = vec![Vec3::zeros(); shell.deformed.len()];
+        chamber.add_volume_gradient(&shell.deformed, &mut gradient);
+        for (v, gradient) in gradient.iter().enumerate() {
+            for axis in 0..3 {
+                let slope = difference(1e-2, |h| {
+                    let mut x = shell.deformed.clone();
+                    x[v][axis] += h;
+                    chamber.volume(&x)
+                });
+                // Exact for a cubic; a volume of 4,000 mm^3 is rounded to 1e-12, over a step of 1e-2.
+                assert!((slope - gradient[axis]).abs() < 1e-9, "{slope} {}", gradient[axis]);
+            }
+        }
+    }
+
+    /// The chamber of a fitted sphere: facets between points of the limit surface lose volume with the square of
+    /// their edges, as any inscribed polyhedron does.
+    #[test]
+    fn volume_of_spheres_converges_to_second_order() {
+        use crate::mesh::ShellSettings;
+        use crate::model::element::fitted_control_points;
+        use crate::surface::TriangleMesh;
+
+        let settings = ShellSettings { thickness: 0.5, clamp_height: 8.0, ..Default::default() };
+        let errors = [1, 2, 3].map(|subdivisions| {
+            let mesh = ShellMesh::new(TriangleMesh::sphere(10.0, subdivisions), &settings).unwrap();
+            let bases = LoopBasis::of_stencils(&mesh.stencils);
+            let control = fitted_control_points(&mesh, &bases).unwrap();
+            let exact = 4000.0 / 3.0 * std::f64::consts::PI;
+            1.0 - ChamberPressure::new(&mesh, &bases).volume(&control) / exact
+        });
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((1.9..2.1).contains(&order), "{errors:?}");
+        }
+        assert!(errors[2] < 5e-3, "{errors:?}");
+    }
+}

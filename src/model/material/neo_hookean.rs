@@ -4,13 +4,10 @@
 //! psi = mu/2 (T + 1/J - 3)
 //! ```
 
-use serde::{Deserialize, Serialize};
-
 use super::EnergyDensity;
 
 /// Incompressible neo-Hookean rubber. Source: Treloar (1943).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct NeoHookean {
     /// Shear modulus, MPa.
     pub mu: f64,

@@ -30,14 +30,30 @@ pub struct OgdenTerm {
 }
 
 /// Incompressible Ogden rubber with any number of terms.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Ogden {
-    /// The terms; their `mu` sum to the shear modulus at rest.
-    pub terms: Vec<OgdenTerm>,
+    terms: Vec<PreparedTerm>,
+}
+
+/// A term with what depends on its exponent alone.
+#[derive(Clone, Debug, PartialEq)]
+struct PreparedTerm {
+    term: OgdenTerm,
+    /// `2 mu / alpha^2`.
+    factor: f64,
+    /// Half the exponent.
+    a: f64,
+    /// Coefficients of `C_a` about 0.
+    series: [f64; SERIES_TERMS],
 }
 
 impl Ogden {
+    /// The law with these terms, whose exponents are not 0; their `mu` sum to the shear modulus at rest.
+    #[must_use]
+    pub fn new(terms: &[OgdenTerm]) -> Self {
+        Self { terms: terms.iter().map(|&term| PreparedTerm::new(term)).collect() }
+    }
+
     /// NinjaFlex as in the public Abaqus decks of the 2022 work, taken as incompressible: mu 5.212 MPa.
     #[must_use]
     pub fn ninjaflex_c2s() -> Self {
@@ -50,14 +66,20 @@ impl Ogden {
         Self::of([(-30.921, 0.508), (10.342, 1.375), (26.791, -0.482)])
     }
 
+    /// The terms.
+    pub fn terms(&self) -> impl Iterator<Item = OgdenTerm> {
+        self.terms.iter().map(|prepared| prepared.term)
+    }
+
     fn of(terms: [(f64, f64); 3]) -> Self {
-        Self { terms: terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }).to_vec() }
+        Self::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
     }
 
     pub(super) fn density(&self, t: f64, j: f64) -> EnergyDensity {
+        let state = State::new(t, j);
         let mut sum = EnergyDensity::default();
         for term in &self.terms {
-            let density = term.density(t, j);
+            let density = term.density(&state);
             sum.value += density.value;
             for (sum, value) in sum.first.iter_mut().zip(density.first) {
                 *sum += value;
@@ -70,40 +92,60 @@ impl Ogden {
     }
 
     pub(super) fn energy(&self, t: f64, j: f64) -> f64 {
-        let y = y_of(t, j);
-        let term = |term: &OgdenTerm| {
-            let a = 0.5 * term.alpha;
-            term.factor() * (2.0 * j.powf(0.5 * a) * cosh_multiple(a, y)[0] + j.powf(-a) - 3.0)
-        };
-        self.terms.iter().map(term).sum()
+        let state = State::new(t, j);
+        self.terms.iter().map(|term| term.energy(&state)).sum()
     }
 }
 
-impl OgdenTerm {
-    fn factor(&self) -> f64 {
-        2.0 * self.mu / (self.alpha * self.alpha)
+/// The invariants as all terms need them.
+struct State {
+    j: f64,
+    ln_j: f64,
+    y: f64,
+    /// Derivatives of `y` by T, J, TJ, JJ.
+    dy: [f64; 4],
+}
+
+impl State {
+    fn new(t: f64, j: f64) -> Self {
+        let sqrt_j = j.sqrt();
+        let y = 0.5 * t / sqrt_j - 1.0;
+        let (y_t, y_j) = (0.5 / sqrt_j, -0.5 * (1.0 + y) / j);
+        Self { j, ln_j: j.ln(), y, dy: [y_t, y_j, -0.5 * y_t / j, -1.5 * y_j / j] }
+    }
+}
+
+impl PreparedTerm {
+    fn new(term: OgdenTerm) -> Self {
+        let a = 0.5 * term.alpha;
+        let mut series = [1.0; SERIES_TERMS];
+        for k in 0..SERIES_TERMS - 1 {
+            let n = k as f64;
+            series[k + 1] = series[k] * (a * a - n * n) / ((2.0 * n + 1.0) * (n + 1.0));
+        }
+        Self { term, factor: 2.0 * term.mu / (term.alpha * term.alpha), a, series }
     }
 
-    fn density(&self, t: f64, j: f64) -> EnergyDensity {
-        let a = 0.5 * self.alpha;
-        let factor = self.factor();
-        let y = y_of(t, j);
-        let [c, dc, ddc] = cosh_multiple(a, y);
-        // P = 2 J^(a/2);  y_T = 1 / (2 sqrt J);  y_J = -(1 + y) / (2 J).
-        let p = 2.0 * j.powf(0.5 * a);
+    fn energy(&self, state: &State) -> f64 {
+        let half_power = (0.5 * self.a * state.ln_j).exp();
+        let third = 1.0 / (half_power * half_power);
+        self.factor * (2.0 * half_power * self.cosh_multiple(state.y) + third - 3.0)
+    }
+
+    fn density(&self, state: &State) -> EnergyDensity {
+        let (a, j) = (self.a, state.j);
+        let [c, dc, ddc] = self.cosh_multiple_derivatives(state.y);
+        let [y_t, y_j, y_tj, y_jj] = state.dy;
+        // P = 2 J^(a/2), and l3^alpha = J^-a.
+        let half_power = (0.5 * a * state.ln_j).exp();
+        let p = 2.0 * half_power;
         let dp = 0.5 * a * p / j;
         let ddp = (0.5 * a - 1.0) * dp / j;
-        let y_t = 0.5 / j.sqrt();
-        let y_j = -0.5 * (1.0 + y) / j;
-        let y_tj = -0.5 * y_t / j;
-        let y_jj = 0.75 * (1.0 + y) / (j * j);
-        let third = j.powf(-a);
+        let third = 1.0 / (half_power * half_power);
+        let factor = self.factor;
         EnergyDensity {
             value: factor * (p * c + third - 3.0),
-            first: [
-                factor * p * dc * y_t,
-                factor * (dp * c + p * dc * y_j - a * third / j),
-            ],
+            first: [factor * p * dc * y_t, factor * (dp * c + p * dc * y_j - a * third / j)],
             second: [
                 factor * p * ddc * y_t * y_t,
                 factor * (dp * dc * y_t + p * (ddc * y_j * y_t + dc * y_tj)),
@@ -115,32 +157,30 @@ impl OgdenTerm {
             ],
         }
     }
-}
 
-fn y_of(t: f64, j: f64) -> f64 {
-    0.5 * t / j.sqrt() - 1.0
-}
-
-/// `C_a(y)` with its first and second derivative.
-fn cosh_multiple(a: f64, y: f64) -> [f64; 3] {
-    if y < SERIES_LIMIT {
-        return cosh_multiple_series(a, y);
+    /// `C_a(y)`.
+    fn cosh_multiple(&self, y: f64) -> f64 {
+        if y < SERIES_LIMIT {
+            return self.series.iter().rev().fold(0.0, |f, c| f * y + c);
+        }
+        (self.a * (1.0 + y).acosh()).cosh()
     }
-    let eta = (1.0 + y).acosh();
-    let sinh = eta.sinh();
-    let first = a * (a * eta).sinh() / sinh;
-    let value = (a * eta).cosh();
-    [value, first, (a * a * value - (1.0 + y) * first) / (sinh * sinh)]
-}
 
-fn cosh_multiple_series(a: f64, y: f64) -> [f64; 3] {
-    let mut coefficients = [1.0; SERIES_TERMS];
-    for k in 0..SERIES_TERMS - 1 {
-        let n = k as f64;
-        coefficients[k + 1] = coefficients[k] * (a * a - n * n) / ((2.0 * n + 1.0) * (n + 1.0));
+    /// `C_a(y)` with its first and second derivative.
+    fn cosh_multiple_derivatives(&self, y: f64) -> [f64; 3] {
+        let a = self.a;
+        if y < SERIES_LIMIT {
+            // Horner's scheme for the value and both derivatives.
+            return self
+                .series
+                .iter()
+                .rev()
+                .fold([0.0; 3], |[f, df, ddf], c| [f * y + c, df * y + f, ddf * y + 2.0 * df]);
+        }
+        let eta = (1.0 + y).acosh();
+        let sinh = eta.sinh();
+        let first = a * (a * eta).sinh() / sinh;
+        let value = (a * eta).cosh();
+        [value, first, (a * a * value - (1.0 + y) * first) / (sinh * sinh)]
     }
-    // Horner's scheme for the value and both derivatives.
-    coefficients.iter().rev().fold([0.0; 3], |[f, df, ddf], c| {
-        [f * y + c, df * y + f, ddf * y + 2.0 * df]
-    })
 }
