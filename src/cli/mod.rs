@@ -138,9 +138,13 @@ fn answer(usage: &clap::Error) -> ExitCode {
     } else {
         let text = usage.render().to_string();
         let said = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
-        let words: Vec<&str> =
-            said.filter(|line| !line.is_empty() && !line.starts_with("For more")).collect();
-        warn(&format!("{}; see --help", words.join(" ").trim_start_matches("error: ")));
+        // A tip how to pass an unknown flag as a value helps nobody: no value of ours begins with a dash.
+        let noise = |line: &str| {
+            line.is_empty() || line.starts_with("For more") || line.contains("as a value")
+        };
+        let words: Vec<&str> = said.filter(|line| !noise(line)).collect();
+        let line = words.join(" ").replace(" tip: ", "; ");
+        warn(&format!("{}; see --help", line.trim_start_matches("error: ")));
     }
     if usage.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
 }

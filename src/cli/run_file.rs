@@ -85,7 +85,7 @@ impl RunFile {
         let clamped = self.wall.clamp_height * self.wall.thickness;
         ensure!(
             clamped < (1.0 - self.wall.tip_fraction) * height,
-            "[wall] clamp_height holds {clamped} mm of a box of {height} mm, tip included; it must be smaller"
+            "[wall] clamp_height holds {clamped:.2} mm of a box of {height} mm, tip included; it must be smaller"
         );
         Ok(())
     }

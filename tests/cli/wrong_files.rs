@@ -212,7 +212,7 @@ fn run_files_are_told_their_own_faults() {
             "[fitness]\nexponent = 0\n",
             "[fitness] exponent is 0.0, but it must lie between 0.1 and 100.0",
         ),
-        ("[wall]\nclamp_height = 38\n", "[wall] clamp_height holds 60.8 mm of a box of 62.8 mm"),
+        ("[wall]\nclamp_height = 38\n", "[wall] clamp_height holds 60.80 mm of a box of 62.8 mm"),
         ("[genes]\nw99 = [0, 1]\n", "[genes]: there is no gene `w99`; the genes are w1, w2"),
         ("[genes]\nw1 = [1, 0]\n", "[genes]: gene w1: [1, 0] is not an interval"),
         ("[genes]\nw1 = [nan, 1]\n", "[genes]: gene w1: [NaN, 1] is not an interval"),

@@ -119,8 +119,9 @@ fn a_wall_thicker_than_its_part_is_told() {
 #[test]
 fn a_part_that_is_unstable_at_rest_leaves_no_folder() {
     let workshop = Workshop::new();
-    // Softening at once: stress falls with stretch, although the sum of mu is positive.
-    let material = "[material]\nlaw = \"ogden\"\nterms = [{ mu = 10.1, alpha = 0.01 }, { mu = -10.0, alpha = 30.0 }]\n";
+    // Two moduli of which rounding leaves no more than its own size: pivots of either sign.
+    let terms = "{ mu = 1e12, alpha = 2.0 }, { mu = -999999999999.9999, alpha = -2.0 }";
+    let material = format!("[material]\nlaw = \"ogden\"\nterms = [{terms}]\n");
     let scene = format!("[part]\nnetwork = \"network.toml\"\n[mesh]\nedge = 5\n{material}");
     workshop.refuse_scene(&scene, &["scene.toml: the part is not stable at rest"]);
 }
