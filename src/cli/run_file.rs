@@ -94,7 +94,7 @@ impl RunFile {
     pub(super) fn gene_bounds(&self) -> anyhow::Result<evolve::Bounds> {
         let bounds = Bounds::with_overrides(&self.genes).context("[genes]")?;
         let pairs = bounds.intervals().iter().map(|&[lower, upper]| (lower, upper)).collect();
-        Ok(evolve::Bounds::new(pairs).context("[genes]")?)
+        evolve::Bounds::new(pairs).context("[genes]")
     }
 
     /// What decides a candidate's outcome.
@@ -113,8 +113,8 @@ impl RunFile {
 
 /// A run file with every default, as TOML.
 pub(super) fn defaults() -> String {
-    let mut run = RunFile::default();
-    run.genes = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper])).collect();
+    let bounds = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper]));
+    let run = RunFile { genes: bounds.collect(), ..RunFile::default() };
     toml::to_string(&run).expect("the defaults are plain numbers and words")
 }
 
