@@ -72,12 +72,16 @@ fn assert_same_results(workshop: &Workshop) {
 #[test]
 fn a_run_writes_what_it_promises() {
     let run = finished();
-    for name in ["run.toml", "provenance.json", "front.svg", "front.png", "history.svg", "history.png"] {
+    for name in
+        ["run.toml", "provenance.json", "front.svg", "front.png", "history.svg", "history.png"]
+    {
         assert!(run.path("out").join(name).is_file(), "{name}");
     }
     let history = run.read("out/history.csv");
     assert!(
-        history.starts_with("generation,evaluated,feasible,front,hypervolume,best_bending,best_blocking\n"),
+        history.starts_with(
+            "generation,evaluated,feasible,front,hypervolume,best_bending,best_blocking\n"
+        ),
         "{history}"
     );
     assert_eq!(history.lines().count(), 1 + 3);
@@ -86,10 +90,18 @@ fn a_run_writes_what_it_promises() {
 
     let front = run.read("out/front.csv");
     assert!(front.starts_with("id,bending,blocking,figure_of_merit,max_force\n"), "{front}");
-    let members: Vec<&str> = front.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
+    let members: Vec<&str> =
+        front.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
     assert!(!members.is_empty());
     for member in members {
-        for file in ["genome.toml", "surface.stl", "path.csv", "path.pvd", "path_002.vtu", "path_blocked.csv"] {
+        for file in [
+            "genome.toml",
+            "surface.stl",
+            "path.csv",
+            "path.pvd",
+            "path_002.vtu",
+            "path_blocked.csv",
+        ] {
             assert!(run.path("out/front").join(member).join(file).is_file(), "{member}/{file}");
         }
     }
@@ -97,7 +109,10 @@ fn a_run_writes_what_it_promises() {
     assert_eq!(records.len(), 18);
     for (k, record) in records.iter().enumerate() {
         assert_eq!(record["id"], format!("g{:03}-{:03}", k / 6, k % 6));
-        assert!(["evaluated", "rejected"].contains(&record["status"].as_str().unwrap()), "{record}");
+        assert!(
+            ["evaluated", "rejected"].contains(&record["status"].as_str().unwrap()),
+            "{record}"
+        );
     }
 }
 
@@ -113,7 +128,10 @@ fn one_thread_gives_the_bits_of_two() {
 fn a_killed_run_goes_on_with_the_same_bits() {
     let workshop = Workshop::new();
     workshop.write("run.toml", RUN);
-    let mut run = workshop.command(&["evolve", "run.toml", "--out", "out", "--threads", "2"]).spawn().unwrap();
+    let mut run = workshop
+        .command(&["evolve", "run.toml", "--out", "out", "--threads", "2"])
+        .spawn()
+        .unwrap();
     let first = workshop.path("out/checkpoints/checkpoint-000001.json");
     let start = Instant::now();
     while !first.is_file() {
@@ -163,7 +181,9 @@ fn a_run_interrupted_by_its_settings_goes_on_with_the_same_bits() {
 #[test]
 fn other_settings_are_not_resumed() {
     let workshop = copy_of_finished();
-    for (from, to) in [("seed = 3", "seed = 4"), ("population = 6", "population = 8"), ("edge = 5", "edge = 4")] {
+    for (from, to) in
+        [("seed = 3", "seed = 4"), ("population = 6", "population = 8"), ("edge = 5", "edge = 4")]
+    {
         workshop.write("run.toml", RUN.replace(from, to));
         workshop.refuse(&RESUME, 1, &["out was made with other settings", "run.toml"]);
     }
@@ -178,13 +198,21 @@ fn damaged_checkpoints_fall_back_or_are_refused() {
     let said = workshop.run(&RESUME);
     assert_eq!(said.code, 0, "{said:?}");
     assert_eq!(said.err.lines().count(), 1, "{}", said.err);
-    assert!(said.err.contains("checkpoint-000003.json: is cut off; the checkpoint before it is used"), "{}", said.err);
+    assert!(
+        said.err.contains("checkpoint-000003.json: is cut off; the checkpoint before it is used"),
+        "{}",
+        said.err
+    );
     assert!(said.out.starts_with("resumed after generation 2 of 3"), "{}", said.out);
     assert_same_results(&workshop);
 
     workshop.write(newest, &text[..text.len() / 2]);
     workshop.write("out/checkpoints/checkpoint-000002.json", "{");
-    workshop.refuse(&RESUME, 1, &["out/checkpoints", "no usable checkpoint", "is cut off", "no header"]);
+    workshop.refuse(
+        &RESUME,
+        1,
+        &["out/checkpoints", "no usable checkpoint", "is cut off", "no header"],
+    );
     workshop.refuse(&["report", "out"], 1, &["out/checkpoints", "no usable checkpoint"]);
 }
 
@@ -204,7 +232,8 @@ fn a_run_without_a_feasible_candidate_ends_well() {
 #[cfg(feature = "petsc")]
 #[test]
 fn petsc_gives_the_same_front() {
-    let run = RUN.replace("generations = 3", "generations = 2") + "\n[load.path.newton]\ntolerance = 1e-12\n";
+    let run = RUN.replace("generations = 3", "generations = 2")
+        + "\n[load.path.newton]\ntolerance = 1e-12\n";
     let [native, petsc] = ["native", "petsc"].map(|solver| {
         let workshop = Workshop::new();
         workshop.write("run.toml", &run);
@@ -212,7 +241,11 @@ fn petsc_gives_the_same_front() {
         workshop
     });
     let ids = |workshop: &Workshop| -> Vec<String> {
-        workshop.read("out/front.csv").lines().map(|row| row.split(',').next().unwrap().to_owned()).collect()
+        workshop
+            .read("out/front.csv")
+            .lines()
+            .map(|row| row.split(',').next().unwrap().to_owned())
+            .collect()
     };
     assert_eq!(ids(&native), ids(&petsc));
     assert!(ids(&native).len() > 1);

@@ -15,7 +15,8 @@ fn mesh_writes_surface_picture_and_quality() {
     let mean = quality["edge_mean"].as_f64().unwrap();
     assert!((3.0..5.0).contains(&mean), "{mean}");
 
-    let printed = workshop.succeed(&["mesh", "network.toml", "--out", "again", "--edge", "4", "--json"]);
+    let printed =
+        workshop.succeed(&["mesh", "network.toml", "--out", "again", "--edge", "4", "--json"]);
     assert_eq!(serde_json::from_str::<serde_json::Value>(&printed).unwrap(), quality);
 }
 
@@ -28,7 +29,8 @@ fn report_draws_again_what_the_run_wrote() {
     );
     workshop.succeed(&["evolve", "run.toml", "--out", "out"]);
     let written = workshop.files();
-    for name in ["front.svg", "front.png", "history.svg", "history.png", "front.csv", "history.csv"] {
+    for name in ["front.svg", "front.png", "history.svg", "history.png", "front.csv", "history.csv"]
+    {
         std::fs::remove_file(workshop.path("out").join(name)).unwrap();
     }
     let out = workshop.succeed(&["report", "out"]);
@@ -46,5 +48,9 @@ fn printed_defaults_are_a_run_file() {
     }
     workshop.write("run.toml", defaults);
     std::fs::create_dir(workshop.path("taken")).unwrap();
-    workshop.refuse(&["evolve", "run.toml", "--out", "taken"], 1, &["output folder taken exists", "--resume"]);
+    workshop.refuse(
+        &["evolve", "run.toml", "--out", "taken"],
+        1,
+        &["output folder taken exists", "--resume"],
+    );
 }

@@ -48,7 +48,8 @@ fn simulated(scene: &str, solver: &str) -> Workshop {
 fn vertices(workshop: &Workshop, name: &str) -> Vec<[f64; 3]> {
     let bytes = std::fs::read(workshop.path(name)).unwrap();
     let marker = b"<AppendedData encoding=\"raw\">\n_";
-    let start = bytes.windows(marker.len()).position(|window| window == marker).unwrap() + marker.len();
+    let start =
+        bytes.windows(marker.len()).position(|window| window == marker).unwrap() + marker.len();
     let number = |at: usize| <[u8; 8]>::try_from(&bytes[at..at + 8]).unwrap();
     let length = u64::from_le_bytes(number(start)) as usize;
     assert_eq!(length % 24, 0);
@@ -116,7 +117,10 @@ fn the_folder_of_a_scene_holds_what_is_promised() {
 #[test]
 fn json_on_the_terminal_is_the_summary() {
     let workshop = Workshop::new();
-    workshop.write("scene.toml", SCENE.replace("steps = 4", "steps = 1").replace("edge = 4", "edge = 5"));
+    workshop.write(
+        "scene.toml",
+        SCENE.replace("steps = 4", "steps = 1").replace("edge = 4", "edge = 5"),
+    );
     let out = workshop.succeed(&["simulate", "scene.toml", "--out", "out", "--json"]);
     let printed: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!(printed, workshop.json("out/summary.json"));
@@ -129,7 +133,8 @@ fn an_stl_simulates_like_the_network_it_was_made_from() {
     network.write("stl.toml", SCENE.replace("network = \"network.toml\"", "stl = \"part.stl\""));
     network.succeed(&["simulate", "stl.toml", "--out", "from_stl"]);
     for column in ["tip_x", "tip_z", "volume"] {
-        let [a, b] = ["out", "from_stl"].map(|run| network.column(&format!("{run}/path.csv"), column));
+        let [a, b] =
+            ["out", "from_stl"].map(|run| network.column(&format!("{run}/path.csv"), column));
         for (a, b) in a.iter().zip(&b) {
             // The file rounds positions to 32 bits: 1e-7 of them, amplified some tens of times by bending.
             assert!((a - b).abs() <= 1e-5 * a.abs().max(1.0), "{column}: {a} and {b}");

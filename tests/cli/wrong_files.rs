@@ -17,8 +17,12 @@ fn files_that_cannot_be_read_are_named() {
             workshop.refuse(&[command, file, "--out", "out"], 1, &[words]);
         }
     }
-    workshop.refuse_scene("[part]\nnetwork = \"missing.toml\"\n", &["missing.toml: no such file or folder"]);
-    workshop.refuse_scene("[part]\nnetwork = \"binary.toml\"\n", &["binary.toml: is not a text file"]);
+    workshop.refuse_scene(
+        "[part]\nnetwork = \"missing.toml\"\n",
+        &["missing.toml: no such file or folder"],
+    );
+    workshop
+        .refuse_scene("[part]\nnetwork = \"binary.toml\"\n", &["binary.toml: is not a text file"]);
 }
 
 #[test]
@@ -32,9 +36,18 @@ fn faults_of_form_are_told_with_their_line() {
         ("[part]\nnetwork = \"a\"\nnetwork = \"b\"\n", "scene.toml:3: duplicate key"),
         ("[part]\nnetwrk = \"a\"\n", "scene.toml:2: unknown key `netwrk`; did you mean `network`?"),
         ("[part]\n[wal]\n", "scene.toml:2: unknown key `wal`; did you mean `wall`?"),
-        ("[part]\n[wall]\nthickness = \"thick\"\n", "scene.toml:3: invalid type: string \"thick\", expected a number"),
-        ("[part]\n[load.path]\nsteps = -3\n", "scene.toml:3: invalid value: integer `-3`, expected a whole number"),
-        ("[part]\n[solver]\nbackend = \"umfpack\"\n", "scene.toml:3: unknown value `umfpack`; known: `native`, `petsc`"),
+        (
+            "[part]\n[wall]\nthickness = \"thick\"\n",
+            "scene.toml:3: invalid type: string \"thick\", expected a number",
+        ),
+        (
+            "[part]\n[load.path]\nsteps = -3\n",
+            "scene.toml:3: invalid value: integer `-3`, expected a whole number",
+        ),
+        (
+            "[part]\n[solver]\nbackend = \"umfpack\"\n",
+            "scene.toml:3: unknown value `umfpack`; known: `native`, `petsc`",
+        ),
         ("[part]\n[[plane]]\nnormal = [1, 0]\ndistance = 1\n", "scene.toml:3: invalid length 2"),
         ("[part]\n[[plane]]\nnormal = [1, 0, 0]\n", "scene.toml:2: missing field `distance`"),
         ("[part]\n[plane]\nnormal = [1, 0, 0]\ndistance = 1\n", "[[name]] with two brackets"),
@@ -47,12 +60,9 @@ fn faults_of_form_are_told_with_their_line() {
 #[test]
 fn values_that_cannot_be_are_told_with_what_could() {
     let workshop = Workshop::new();
-    for (section, key) in [
-        ("wall", "thickness"),
-        ("wall", "clamp_height"),
-        ("mesh", "edge"),
-        ("load", "pressure"),
-    ] {
+    for (section, key) in
+        [("wall", "thickness"), ("wall", "clamp_height"), ("mesh", "edge"), ("load", "pressure")]
+    {
         for (value, why) in [
             ("-1", "is -1.0, but it must be a positive number"),
             ("0", "is 0.0, but it must be a positive number"),
@@ -67,26 +77,47 @@ fn values_that_cannot_be_are_told_with_what_could() {
         }
     }
     for (fault, words) in [
-        ("[wall]\ntip_fraction = 0\n", "[wall] tip_fraction is 0.0, but it must lie between 0.001 and 0.9"),
+        (
+            "[wall]\ntip_fraction = 0\n",
+            "[wall] tip_fraction is 0.0, but it must lie between 0.001 and 0.9",
+        ),
         ("[load.path]\nsteps = 0\n", "[load.path] steps is 0, but it must lie between 1 and 1000"),
         ("[load.path]\nsteps = 1000000000000\n", "[load.path] steps is 1000000000000"),
         ("[load.path]\nhalvings = 31\n", "[load.path] halvings is 31, more than 30"),
         ("[load.path]\niteration_budget = 0\n", "[load.path] iteration_budget is 0"),
-        ("[load.path.newton]\ntolerance = 1\n", "[load.path.newton] tolerance is 1.0, but it must lie between"),
+        (
+            "[load.path.newton]\ntolerance = 1\n",
+            "[load.path.newton] tolerance is 1.0, but it must lie between",
+        ),
         ("[load.path.newton]\nmax_iterations = 0\n", "[load.path.newton] max_iterations is 0"),
         ("[mesh]\nrim_radius = 100\n", "[mesh]: rim radius 100 mm is not in [0, 10)"),
         ("[mesh]\nrim_radius = -1\n", "[mesh]: rim radius -1 mm is not in [0, 10)"),
         ("[mesh]\nrim_radius = nan\n", "[mesh]: rim radius NaN mm is not in [0, 10)"),
-        ("[mesh]\nedge = 30\n", "[mesh] edge is 30.0 mm, but a box 40.0 mm wide needs one below half of that"),
+        (
+            "[mesh]\nedge = 30\n",
+            "[mesh] edge is 30.0 mm, but a box 40.0 mm wide needs one below half of that",
+        ),
         ("[box]\nmin = [1, 1, 1]\nmax = [0, 0, 0]\n", "each min must be below its max"),
-        ("[material]\npreset = \"steel\"\n", "no preset `steel`; it has ninjaflex-c2s and ninjaflex-yap2016"),
-        ("[material]\nlaw = \"hooke\"\n", "no law `hooke`; it has neo-hookean (with mu) and ogden (with terms)"),
+        (
+            "[material]\npreset = \"steel\"\n",
+            "no preset `steel`; it has ninjaflex-c2s and ninjaflex-yap2016",
+        ),
+        (
+            "[material]\nlaw = \"hooke\"\n",
+            "no law `hooke`; it has neo-hookean (with mu) and ogden (with terms)",
+        ),
         ("[material]\nlaw = \"ogden\"\n", "[material] wants either `preset`"),
         ("[material]\nlaw = \"ogden\"\nterms = []\n", "[material] terms is empty"),
         ("[material]\nlaw = \"ogden\"\nterms = [{ mu = 1.0, alpha = 0.0 }]\n", "alpha is 0.0, but"),
-        ("[material]\nlaw = \"ogden\"\nterms = [{ mu = 1.0, alpha = 1e9 }]\n", "at most 100 in size"),
+        (
+            "[material]\nlaw = \"ogden\"\nterms = [{ mu = 1.0, alpha = 1e9 }]\n",
+            "at most 100 in size",
+        ),
         ("[material]\nlaw = \"ogden\"\nterms = [{ mu = -1.0, alpha = 2.0 }]\n", "the sum of mu"),
-        ("[material]\nlaw = \"neo-hookean\"\nmu = nan\n", "[material] mu is NaN, but it must be a positive number"),
+        (
+            "[material]\nlaw = \"neo-hookean\"\nmu = nan\n",
+            "[material] mu is NaN, but it must be a positive number",
+        ),
         ("[material]\npreset = \"ninjaflex-c2s\"\nmu = 1.0\n", "[material] wants either `preset`"),
     ] {
         workshop.refuse_scene(&format!("{PART}{fault}"), &["scene.toml", words]);
@@ -104,7 +135,10 @@ fn meshes_that_would_fill_the_memory_are_refused_at_once() {
         "[box]\nmin = [-1e3, -1e3, 0]\nmax = [1e3, 1e3, 1e3]\n",
         "[box]\nmin = [-20, -20, 0]\nmax = [20, 20, 1e12]\n",
     ] {
-        workshop.refuse_scene(&format!("{PART}{fault}"), &["scene.toml: [mesh] edge is ", "too fine", "is the finest"]);
+        workshop.refuse_scene(
+            &format!("{PART}{fault}"),
+            &["scene.toml: [mesh] edge is ", "too fine", "is the finest"],
+        );
         workshop.refuse_run(fault, &["run.toml: [mesh] edge is ", "too fine", "is the finest"]);
     }
     workshop.refuse(
@@ -117,7 +151,10 @@ fn meshes_that_would_fill_the_memory_are_refused_at_once() {
         1,
         &["--edge", "is -1.0, but it must be a positive number"],
     );
-    workshop.refuse_run("[evolution]\npopulation = 1000000000\n", &["[evolution] population is 1000000000"]);
+    workshop.refuse_run(
+        "[evolution]\npopulation = 1000000000\n",
+        &["[evolution] population is 1000000000"],
+    );
 }
 
 #[test]
@@ -133,14 +170,20 @@ fn planes_that_are_none_are_told() {
         let plane = format!("{PART}[[plane]]\nnormal = {normal}\ndistance = {distance}\n");
         workshop.refuse_scene(&plane, &["scene.toml: ", words]);
     }
-    workshop.refuse_run("[fitness]\nplane_normal = [0, 0, 0]\n", &["[fitness] plane_normal must be a direction"]);
+    workshop.refuse_run(
+        "[fitness]\nplane_normal = [0, 0, 0]\n",
+        &["[fitness] plane_normal must be a direction"],
+    );
     workshop.refuse_run("[fitness]\nplane_distance = 0\n", &["[fitness] plane_distance is 0.0"]);
 }
 
 #[test]
 fn a_part_is_one_of_two() {
     let workshop = Workshop::new();
-    workshop.refuse_scene("[part]\n", &["scene.toml: [part] has neither `network` nor `stl`; give one"]);
+    workshop.refuse_scene(
+        "[part]\n",
+        &["scene.toml: [part] has neither `network` nor `stl`; give one"],
+    );
     let both = "[part]\nnetwork = \"network.toml\"\nstl = \"part.stl\"\n";
     workshop.refuse_scene(both, &["scene.toml: [part] has both `network` and `stl`; give one"]);
 }
@@ -151,12 +194,24 @@ fn run_files_are_told_their_own_faults() {
     for (fault, words) in [
         ("[evolutoin]\n", "run.toml:1: unknown key `evolutoin`; did you mean `evolution`?"),
         ("[evolution]\npopsize = 6\n", "run.toml:2: unknown key `popsize`"),
-        ("[evolution]\npopulation = 3\n", "[evolution]: `population` is 3, but it must be at least 4"),
-        ("[evolution]\npopulation = 6.5\n", "run.toml:2: invalid type: floating point `6.5`, expected a whole number"),
+        (
+            "[evolution]\npopulation = 3\n",
+            "[evolution]: `population` is 3, but it must be at least 4",
+        ),
+        (
+            "[evolution]\npopulation = 6.5\n",
+            "run.toml:2: invalid type: floating point `6.5`, expected a whole number",
+        ),
         ("[evolution]\ngenerations = 0\n", "[evolution]: `generations` is 0"),
-        ("[evolution]\nseed = -1\n", "run.toml:2: invalid value: integer `-1`, expected a whole number"),
+        (
+            "[evolution]\nseed = -1\n",
+            "run.toml:2: invalid value: integer `-1`, expected a whole number",
+        ),
         ("[evolution]\ncrossover = \"two_point\"\n", "run.toml:2: unknown value `two_point`"),
-        ("[fitness]\nexponent = 0\n", "[fitness] exponent is 0.0, but it must lie between 0.1 and 100.0"),
+        (
+            "[fitness]\nexponent = 0\n",
+            "[fitness] exponent is 0.0, but it must lie between 0.1 and 100.0",
+        ),
         ("[wall]\nclamp_height = 38\n", "[wall] clamp_height holds 60.8 mm of a box of 62.8 mm"),
         ("[genes]\nw99 = [0, 1]\n", "[genes]: there is no gene `w99`; the genes are w1, w2"),
         ("[genes]\nw1 = [1, 0]\n", "[genes]: gene w1: [1, 0] is not an interval"),
@@ -175,9 +230,18 @@ fn networks_are_told_their_faults_in_one_line() {
     for (network, words) in [
         (String::new(), "network.toml: the network has no [[node]]"),
         ("[[node]\n".to_owned(), "network.toml:1: unclosed array table"),
-        (node("a", "links = { x = 1 }\nactivation = \"cosin\""), "network.toml:4: unknown value `cosin`; did you mean `cosine`?"),
-        (node("a", "link = { x = 1 }"), "network.toml:3: unknown key `link`; did you mean `links`?"),
-        (node("a", "links = { b = 1 }") + &node("b", "links = { a = 1 }"), "network.toml: the links form a cycle: a -> b -> a"),
+        (
+            node("a", "links = { x = 1 }\nactivation = \"cosin\""),
+            "network.toml:4: unknown value `cosin`; did you mean `cosine`?",
+        ),
+        (
+            node("a", "link = { x = 1 }"),
+            "network.toml:3: unknown key `link`; did you mean `links`?",
+        ),
+        (
+            node("a", "links = { b = 1 }") + &node("b", "links = { a = 1 }"),
+            "network.toml: the links form a cycle: a -> b -> a",
+        ),
         (node("a", "links = { teta = 1 }"), "network.toml: node `a` links from `teta`"),
         (node("a", "links = { x = nan }"), "network.toml: the weight `x` of node `a` is NaN"),
         (node("a", "links = { x = 0 }"), "network.toml: Surface: no_surface"),

@@ -80,7 +80,9 @@ fn several_surfaces_are_no_chamber() {
 
     let mut hollow = sphere();
     hollow.positions.extend(second.positions.iter().map(|p| p * 0.5));
-    hollow.triangles.extend(second.triangles.iter().map(|&[a, b, c]| [b + shift, a + shift, c + shift]));
+    hollow
+        .triangles
+        .extend(second.triangles.iter().map(|&[a, b, c]| [b + shift, a + shift, c + shift]));
     refuse_surface(&hollow, &["part.stl: 2 separate surfaces"]);
 }
 
@@ -89,9 +91,13 @@ fn a_clamp_holds_something_and_not_everything() {
     let workshop = Workshop::new();
     stl::write(&workshop.path("part.stl"), &sphere()).unwrap();
     let clamped = |height: &str| format!("{PART}[wall]\nclamp_height = {height}\n");
-    workshop.refuse_scene(&clamped("1e-9"), &["part.stl: Mesh: clamp_holds_nothing", "fewer than 3"]);
+    workshop
+        .refuse_scene(&clamped("1e-9"), &["part.stl: Mesh: clamp_holds_nothing", "fewer than 3"]);
     for height in ["1000", "12.4"] {
-        workshop.refuse_scene(&clamped(height), &["scene.toml: the clamp holds the tip too", "clamp_height"]);
+        workshop.refuse_scene(
+            &clamped(height),
+            &["scene.toml: the clamp holds the tip too", "clamp_height"],
+        );
     }
     workshop.refuse_scene(
         "[part]\nnetwork = \"network.toml\"\n[mesh]\nedge = 5\n[wall]\nclamp_height = 1000\n",

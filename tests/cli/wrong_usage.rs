@@ -47,7 +47,11 @@ fn results_never_go_where_something_is() {
     for command in [["mesh", "network.toml"], ["simulate", "scene.toml"], ["evolve", "run.toml"]] {
         for out in ["taken", "network.toml", "."] {
             let [command, file] = command;
-            workshop.refuse(&[command, file, "--out", out], 1, &["output folder", out, "exists; choose another"]);
+            workshop.refuse(
+                &[command, file, "--out", out],
+                1,
+                &["output folder", out, "exists; choose another"],
+            );
         }
     }
 }
