@@ -132,7 +132,9 @@ impl Driver {
             sys::SNES_DIVERGED_LINE_SEARCH | sys::SNES_DIVERGED_LOCAL_MIN => {
                 Ok(NewtonEnding::LineSearchFailed)
             }
-            sys::SNES_DIVERGED_FUNCTION_DOMAIN => Ok(NewtonEnding::Inadmissible),
+            sys::SNES_DIVERGED_FUNCTION_DOMAIN | sys::SNES_DIVERGED_FNORM_NAN => {
+                Ok(NewtonEnding::Inadmissible)
+            }
             other => Err(failure(format!("SNES ended with the unexpected reason {other}"))),
         }
     }
