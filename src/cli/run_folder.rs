@@ -50,6 +50,9 @@ pub(super) struct RunState {
 /// Scale of the PNG figures over the SVG's pixels.
 const PNG_SCALE: f32 = 2.0;
 
+/// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
+const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force\n";
+
 /// A run folder.
 pub(super) struct RunFolder {
     folder: OutputFolder,
@@ -148,7 +151,11 @@ impl RunFolder {
     ) -> anyhow::Result<String> {
         let front = front_points(&search.front(), records);
         csv::write(&self.file("history.csv"), history)?;
-        csv::write(&self.file("front.csv"), &front)?;
+        if front.is_empty() {
+            atomic::write(&self.file("front.csv"), FRONT_HEADER.as_bytes())?;
+        } else {
+            csv::write(&self.file("front.csv"), &front)?;
+        }
         let svg = front_svg(&front, &evaluated_objectives(records));
         self.write_figure("front", &svg)?;
         let points: Vec<HistoryPoint> = history

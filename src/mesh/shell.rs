@@ -73,7 +73,7 @@ impl ShellMesh {
                 1.0,
             ));
         }
-        let tip = vertices_where(&|z| z > top - settings.tip_fraction * length);
+        let tip = vertices_where(&|z| z >= top - settings.tip_fraction * length);
         let stencils = surface.triangles.iter().map(|&t| Stencil::new(t, &rings)).collect();
         Ok(Self {
             surface,

@@ -136,16 +136,12 @@ impl Walk<'_> {
         {
             return Ok(ending);
         }
-        let sample = |k: usize| max_load * k as f64 / self.settings.steps as f64;
-        let half_step = 0.5 * sample(1);
-        let first =
-            (1..=self.settings.steps).find(|&k| sample(k) > self.last().load + half_step * 1e-9);
-        let Some(first) = first else {
-            return Ok(Ending::Reached);
-        };
-        for k in first..=self.settings.steps {
-            let target = max_load * k as f64 / self.settings.steps as f64;
-            if let Some(ending) = self.reach(target, 2.0 * half_step)? {
+        let steps = self.settings.steps;
+        let sample_step = max_load / steps as f64;
+        for k in 1..=steps {
+            let target = max_load * k as f64 / steps as f64;
+            let is_ahead = target > self.last().load + 1e-9 * sample_step;
+            if is_ahead && let Some(ending) = self.reach(target, sample_step)? {
                 return Ok(ending);
             }
         }
@@ -178,23 +174,32 @@ impl Walk<'_> {
     fn try_load(&mut self, load: f64) -> Result<Result<(), Ending>, SolverFailure> {
         self.system.set_load(load);
         let mut x = self.prediction(load);
-        let report = self.solver.solve(self.system, &mut x, &self.settings.newton)?;
+        match self.solved(&mut x)? {
+            Ok(()) => self.accept(load, x),
+            Err(ending) => Ok(Err(ending)),
+        }
+    }
+
+    /// Moves `x` to the equilibrium at the system's load, within the path's budget.
+    fn solved(&mut self, x: &mut [f64]) -> Result<Result<(), Ending>, SolverFailure> {
+        let report = self.solver.solve(self.system, x, &self.settings.newton)?;
         self.iterations += report.iterations;
         self.spent += report.iterations;
         self.shifted += report.shifted;
         if self.spent > self.settings.iteration_budget {
             return Ok(Err(Ending::BudgetSpent));
         }
-        if let Some(ending) = failure(&report) {
-            return Ok(Err(ending));
-        }
-        self.accept(load, x)
+        Ok(failure(&report).map_or(Ok(()), Err))
     }
 
     fn accept_start(&mut self) -> Result<Result<(), Ending>, SolverFailure> {
         self.system.set_load(0.0);
-        let x = vec![0.0; self.system.pattern().order()];
-        self.accept(0.0, x)
+        // At rest nothing moves, unless a barrier already pushes.
+        let mut x = vec![0.0; self.system.pattern().order()];
+        match self.solved(&mut x)? {
+            Ok(()) => self.accept(0.0, x),
+            Err(ending) => Ok(Err(ending)),
+        }
     }
 
     fn accept(&mut self, load: f64, x: Vec<f64>) -> Result<Result<(), Ending>, SolverFailure> {

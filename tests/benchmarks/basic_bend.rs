@@ -114,3 +114,16 @@ fn petsc_and_native_agree_at_every_step() {
         }
     }
 }
+
+/// A plane within the barrier's reach of the resting part pushes it away before any pressure.
+#[test]
+fn plane_that_starts_a_hair_away_is_in_equilibrium_at_rest() {
+    let mesh = shell();
+    let (model, points) = walked(&mesh, Backend::Native, Some(1e-6));
+    let rest = &points[0];
+    assert!(rest.load == 0.0 && model.plane_force(&rest.x) > 0.0);
+    assert!(rest.newton_iterations > 0);
+    for point in &points {
+        assert!(model.smallest_gap(&point.x) > 0.0);
+    }
+}

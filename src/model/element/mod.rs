@@ -3,6 +3,7 @@
 mod box_spline;
 mod fit;
 mod jet;
+mod kinematics;
 mod loop_patch;
 mod loop_shell;
 
