@@ -11,9 +11,10 @@ use crate::model::ShellModel;
 use crate::solve::PathPoint;
 use crate::surface::TriangleMesh;
 
-/// Writes the mid-surface at rest as `surface.stl`.
+/// Writes the mid-surface at rest as `surface.stl`, and both faces of the wall around it as `wall.stl`.
 pub(super) fn write_surface(folder: &Path, mesh: &ShellMesh) -> Result<(), OutputError> {
-    stl::write(&folder.join("surface.stl"), &mesh.surface)
+    stl::write(&folder.join("surface.stl"), &mesh.surface)?;
+    stl::write(&folder.join("wall.stl"), &mesh.surface.wall(mesh.thickness))
 }
 
 /// Writes `<name>.csv`, and `<name>.pvd` with one deformed surface for each of `points`.

@@ -5,8 +5,7 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::design_folder::{write_json, write_path, write_surface};
-use super::provenance::Provenance;
+use super::design_folder::{write_path, write_surface};
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState};
 use super::{say, warn};
@@ -31,7 +30,12 @@ pub(super) fn run(
 ) -> anyhow::Result<()> {
     let run = RunFile::read(path, solver)?;
     // PETSc solves one system at a time in a process: more threads would only wait.
-    let threads = if run.solver.backend == Backend::Petsc { 1 } else { threads };
+    let threads = if run.solver.backend == Backend::Petsc && threads != 1 {
+        say("petsc evaluates one candidate at a time; native would use every core");
+        1
+    } else {
+        threads
+    };
     let executor = Threads::new(threads)?;
     let mut search = Search::begin(&run, out, resume)?;
     while !search.nsga2.is_finished() {
@@ -63,11 +67,11 @@ impl Search {
         if !resume {
             let nsga2 = Nsga2::new(run.evolution.clone(), run.gene_bounds()?, REFERENCE.len())?;
             let folder = RunFolder::create(out, run)?;
-            write_json(&folder.file("provenance.json"), &Provenance::of_this_process())?;
             return Ok(Self { settings, nsga2, history: Vec::new(), records: Vec::new(), folder });
         }
         let folder = RunFolder::open(out)?;
         folder.check_same(run)?;
+        folder.write_settings(run)?;
         let (state, damaged) = folder.load()?;
         for line in damaged {
             warn(&format!("{line}; the checkpoint before it is used"));
@@ -175,6 +179,11 @@ impl Search {
     /// Computes the members of the front again and writes genome, surface, paths and pictures of each.
     fn write_front_members(&self, executor: &Threads) -> anyhow::Result<()> {
         let front: Vec<&Individual> = self.nsga2.front();
+        let folder = self.folder.file("front");
+        if folder.exists() {
+            // Members of an earlier front that a resumed run has left behind.
+            std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        }
         let bar = progress_bar(self.nsga2.generation(), self.nsga2.generation(), front.len());
         bar.set_message("writing the front");
         let written = executor.evaluate(

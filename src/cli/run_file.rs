@@ -80,6 +80,7 @@ impl RunFile {
         self.material.material()?;
         within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
         positive("[fitness] plane_distance", self.fitness.plane_distance)?;
+        check_distance("[fitness] plane_distance", self.fitness.plane_distance, &self.wall)?;
         check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
         let height = self.design_box.sides().z;
         let clamped = self.wall.clamp_height * self.wall.thickness;
@@ -148,6 +149,7 @@ pub(super) fn check_shell(wall: &ShellSettings, load: &LoadSettings) -> anyhow::
         "[load.path] halvings is {}, more than 30",
         load.path.halvings
     );
+    within("[load.path] work_tolerance", load.path.work_tolerance, 1e-9, 1.0)?;
     within("[load.path.newton] tolerance", load.path.newton.tolerance, 1e-13, 1e-3)?;
     ensure!(
         load.path.newton.max_iterations > 0,
@@ -190,6 +192,20 @@ fn check_rim(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::Result<()> {
     let genome = Genome::try_from(middle).expect("one number for each gene");
     CappedField::new(CompiledNetwork::new(&genome.decode()), design_box, mesh.rim_radius)
         .context("[mesh]")?;
+    Ok(())
+}
+
+/// Checks that a plane stands before the reach of its barrier, which is a tenth of the wall's thickness.
+pub(super) fn check_distance(
+    what: &str,
+    distance: f64,
+    wall: &ShellSettings,
+) -> anyhow::Result<()> {
+    let least = 0.2 * wall.thickness;
+    ensure!(
+        distance >= least,
+        "{what} is {distance}, but the plane must stand at least {least} mm (a fifth of the wall's thickness) away"
+    );
     Ok(())
 }
 

@@ -9,9 +9,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 
+use super::design_folder::write_json;
+use super::provenance::Provenance;
 use super::run_file::RunFile;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
 use crate::fitness::{Outcome, StageSeconds};
@@ -65,8 +67,15 @@ impl RunFolder {
             OutputError::FolderExists(_) => anyhow!("{error}, or go on with its run: --resume"),
             other => other.into(),
         })?;
-        atomic::write(&folder.file("run.toml"), toml::to_string(run)?.as_bytes())?;
-        Ok(Self { folder })
+        let folder = Self { folder };
+        folder.write_settings(run)?;
+        Ok(folder)
+    }
+
+    /// Writes the run file, and which program runs it.
+    pub(super) fn write_settings(&self, run: &RunFile) -> anyhow::Result<()> {
+        atomic::write(&self.file("run.toml"), toml::to_string(run)?.as_bytes())?;
+        write_json(&self.file("provenance.json"), &Provenance::of_this_process())
     }
 
     /// The folder of an earlier run.
@@ -139,7 +148,8 @@ impl RunFolder {
 
     pub(super) fn append(&self, records: &[Record]) -> anyhow::Result<()> {
         let mut log = jsonl::JsonLog::open(&self.file("candidates.jsonl"))?;
-        records.iter().try_for_each(|record| log.append(record)).context("candidates.jsonl")
+        records.iter().try_for_each(|record| log.append(record))?;
+        Ok(log.sync()?)
     }
 
     /// Writes tables and figures of what the run has found; returns the table for the terminal.
@@ -149,7 +159,8 @@ impl RunFolder {
         history: &[HistoryRow],
         records: &[Record],
     ) -> anyhow::Result<String> {
-        let front = front_points(&search.front(), records);
+        let front = front_points(&search.front(), records)
+            .with_context(|| self.path().display().to_string())?;
         csv::write(&self.file("history.csv"), history)?;
         if front.is_empty() {
             atomic::write(&self.file("front.csv"), FRONT_HEADER.as_bytes())?;
@@ -176,20 +187,23 @@ impl RunFolder {
     }
 }
 
-fn front_points(front: &[&Individual], records: &[Record]) -> Vec<FrontPoint> {
+fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec<FrontPoint>> {
     let by_id: BTreeMap<IndividualId, &Record> =
         records.iter().map(|record| (record.id, record)).collect();
-    let point = |individual: &&Individual| match by_id.get(&individual.id)?.outcome {
-        Outcome::Evaluated(evaluation) => Some(FrontPoint {
+    let point = |individual: &&Individual| {
+        let record = by_id.get(&individual.id);
+        let Some(Outcome::Evaluated(evaluation)) = record.map(|record| &record.outcome) else {
+            bail!("candidates.jsonl lacks {}, a member of the front", individual.id);
+        };
+        Ok(FrontPoint {
             id: individual.id.to_string(),
             bending: evaluation.bending,
             blocking: evaluation.blocking,
             figure_of_merit: evaluation.figure_of_merit,
             max_force: evaluation.max_force,
-        }),
-        Outcome::Rejected(_) => None,
+        })
     };
-    front.iter().filter_map(point).collect()
+    front.iter().map(point).collect()
 }
 
 fn evaluated_objectives(records: &[Record]) -> Vec<[f64; 2]> {

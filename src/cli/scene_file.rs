@@ -6,7 +6,9 @@ use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
 
 use super::material::{MaterialSection, positive};
-use super::run_file::{SolverSection, check_mesh, check_normal, check_shell, check_solver};
+use super::run_file::{
+    SolverSection, check_distance, check_mesh, check_normal, check_shell, check_solver,
+};
 use crate::field::DesignBox;
 use crate::fitness::LoadSettings;
 use crate::io::toml_file;
@@ -87,6 +89,7 @@ impl SceneFile {
         self.material.material()?;
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
+            check_distance("[[plane]] distance", plane.distance, &self.wall)?;
             positive("[[plane]] distance", plane.distance)?;
         }
         Ok(())

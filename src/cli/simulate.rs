@@ -13,7 +13,7 @@ use super::scene_file::{PartSource, SceneFile};
 use crate::field::{CappedField, CompiledNetwork};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, stl, toml_file};
+use crate::io::{OutputFolder, atomic, stl, toml_file};
 use crate::math::{Vec3, cpu_seconds};
 use crate::mesh::{ShellMesh, shell_of_field};
 use crate::model::contact::PlaneSettings;
@@ -107,6 +107,7 @@ pub(super) fn run(
         surface,
         provenance: Provenance::of_this_process(),
     };
+    atomic::write(&folder.file("scene.toml"), toml::to_string(&scene)?.as_bytes())?;
     write_surface(folder.path(), &mesh)?;
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
     write_json(&folder.file("summary.json"), &summary)?;

@@ -13,7 +13,8 @@ use super::quantity::Quantity;
 /// Where the network is singular the field is still finite:
 /// - on the half-plane `y = 0, x < 0` theta jumps by 2 pi; the field jumps there unless every
 ///   weight on theta is a whole number inside a sine or cosine. The gradient is one-sided.
-/// - on the axis `r = 0` theta is 0 and the derivatives of theta and r count as 0.
+/// - towards the axis `r = 0` the dependence on theta fades to its mean (see `evaluate`); on the axis the
+///   derivatives of theta and r count as 0.
 /// - a value or derivative that overflows is replaced (value by +-1e30, not-a-number by +1e30,
 ///   which is outside; derivative by 0).
 #[derive(Clone, Debug, PartialEq)]

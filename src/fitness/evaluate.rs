@@ -63,6 +63,8 @@ pub struct Evaluation {
     pub max_force: f64,
     /// Chord angle at the largest pressure, degrees.
     pub angle_deg: f64,
+    /// Share of the wall whose bending is softened because it folds tighter than its thickness allows.
+    pub creased_share: f64,
     /// Unknowns of the model.
     pub unknowns: usize,
     /// Newton iterations of both scenarios.
@@ -132,6 +134,7 @@ pub fn evaluate(
         figure_of_merit: figure_of_merit(&free_rows, mesh.length),
         max_force: blocked_rows.iter().map(|row| row.plane_force).fold(0.0, f64::max),
         angle_deg: free_rows.last().map_or(0.0, |row| row.angle_deg),
+        creased_share: model.creased_share(),
         unknowns: model.unknowns(),
         newton_iterations: own_rows.clone().map(|row| row.newton_iterations).sum(),
         indefinite_iterations: own_rows.map(|row| row.indefinite_iterations).sum(),

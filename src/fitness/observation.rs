@@ -1,11 +1,11 @@
 //! What is read off an equilibrium: tip, angles, forces.
 //!
 //! ```text
-//! chord angle    atan2(u_r, L + u_z),  u_r = |(u_x, u_y)| of the tip    in [0, 2 pi), continuous along the path
-//! tangent angle  between the area vectors of the tip's facets at rest and deformed
+//! chord angle    atan2(u_r, L + u_z),  u_r = |(u_x, u_y)| of the tip
+//! tangent angle  of the area vector of the tip's facets, against the same at rest
 //! ```
 //!
-//! At constant curvature the tangent angle is twice the chord's; the literature quotes the tangent angle.
+//! Both lie in [0, 2 pi) and go on past half a turn. At constant curvature the tangent angle is twice the chord's; the literature quotes the tangent angle.
 
 use std::f64::consts::TAU;
 
@@ -47,7 +47,7 @@ pub struct Observation {
     pub newton_iterations: usize,
     /// Iterations among them with an indefinite tangent.
     pub indefinite_iterations: usize,
-    /// `stable`, or `stable_beyond_instability` when the way here led over indefinite tangents: a snap is likely.
+    /// `stable`, or `stable_beyond_instability` when even the smallest step led over an indefinite tangent: a snap is likely.
     pub stability: &'static str,
 }
 
@@ -59,16 +59,17 @@ pub fn observations(
     points: &[PathPoint],
 ) -> Vec<Observation> {
     let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
-    let (mut before, mut last) = (0.0, 0.0);
+    let (mut chord, mut tangent) = (Turning::default(), Turning::default());
+    let axis = tip_normal.normalize();
     let observe = |(step, point): (usize, &PathPoint)| {
         let displacements = model.vertex_displacements(&point.x);
         let sum: Vec3 = mesh.tip.iter().map(|&v| displacements[v as usize]).sum();
         let tip = sum / mesh.tip.len() as f64;
-        let chord = tip.xy().norm().atan2(mesh.length + tip.z);
-        let angle = continued(2.0 * last - before, chord);
-        (before, last) = (last, angle);
+        let angle = chord.angle(Vec3::new(tip.x, tip.y, 0.0), mesh.length + tip.z);
         let deformed: Vec<Vec3> =
             mesh.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
+        let normal = tip_area_vector(mesh, &deformed);
+        let along = axis.dot(&normal);
         Observation {
             step,
             pressure: point.load,
@@ -79,7 +80,7 @@ pub fn observations(
             tip_y: tip.y,
             tip_z: tip.z,
             angle_deg: angle.to_degrees(),
-            tangent_angle_deg: tip_normal.angle(&tip_area_vector(mesh, &deformed)).to_degrees(),
+            tangent_angle_deg: tangent.angle(normal - axis * along, along).to_degrees(),
             max_displacement: displacements.iter().map(|u| u.norm()).fold(0.0, f64::max),
             plane_force: model.plane_force(&point.x),
             newton_iterations: point.newton_iterations,
@@ -90,10 +91,23 @@ pub fn observations(
     points.iter().enumerate().map(observe).collect()
 }
 
-/// Of the two directions in the bending plane with this chord angle, the one nearer to the expected.
-fn continued(expected: f64, chord: f64) -> f64 {
-    let behind = TAU - chord;
-    if (behind - expected).abs() < (chord - expected).abs() { behind } else { chord }
+/// A direction that turns away from an axis, followed past half a turn.
+#[derive(Default)]
+struct Turning {
+    across: Vec3,
+    past_half: bool,
+}
+
+impl Turning {
+    /// The angle to the axis of the direction with these parts across and along it, in [0, 2 pi).
+    ///
+    /// Half a turn is passed where the direction points backwards and its part across reverses.
+    fn angle(&mut self, across: Vec3, along: f64) -> f64 {
+        self.past_half ^= along < 0.0 && across.dot(&self.across) < 0.0;
+        self.across = across;
+        let folded = across.norm().atan2(along);
+        if self.past_half { TAU - folded } else { folded }
+    }
 }
 
 /// Sum of the area vectors of the facets whose corners all belong to the tip set, mm^2.
@@ -115,15 +129,15 @@ mod tests {
 
     use super::*;
 
-    /// A chord that turns past 180 degrees keeps growing although `atan2` of a length folds back.
+    /// A direction that turns past 180 degrees keeps growing although `atan2` of a length folds back, and it shrinks
+    /// again on the way home.
     #[test]
-    fn chord_angle_continues_past_half_a_turn() {
-        let (mut before, mut last) = (0.0, 0.0);
-        for step in 1..=18 {
-            let exact = f64::from(step) * PI / 10.0;
-            let folded = if exact <= PI { exact } else { TAU - exact };
-            let angle = continued(2.0 * last - before, folded);
-            (before, last) = (last, angle);
+    fn angles_go_on_past_half_a_turn() {
+        let mut turning = Turning::default();
+        let way = (0..=18).chain((0..18).rev());
+        for exact in way.map(|step| f64::from(step) * PI / 10.5) {
+            let across = Vec3::new(0.6, 0.8, 0.0) * exact.sin();
+            let angle = turning.angle(across, exact.cos());
             assert_relative_eq!(angle, exact, epsilon = 1e-12);
         }
     }

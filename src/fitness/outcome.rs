@@ -39,20 +39,53 @@ pub enum Outcome {
 impl Outcome {
     /// How far the candidate is from acceptable; 0 when it was evaluated.
     ///
-    /// The later the room, the smaller: a path that ends early gives less than 1, a shell that cannot be
-    /// computed 1 to 2, a surface that is no chamber 2 to 3.
+    /// The farther a candidate came, the smaller: nothing at all gives 4, a surface that is not one chamber from clamp
+    /// to tip 3 to 4, one that cannot be meshed 2 to 3, a shell that cannot be computed 1 to 2, and a path that
+    /// ends early the share of the pressure that is missing.
     #[must_use]
     pub fn constraint_violation(&self) -> f64 {
         match self {
             Self::Evaluated(_) => 0.0,
             Self::Rejected(rejected) => {
                 let graded = rejected.violation / (1.0 + rejected.violation);
-                match rejected.room {
-                    Room::Solve | Room::Fitness => rejected.violation.clamp(f64::MIN_POSITIVE, 1.0),
-                    Room::Mesh | Room::Model => 1.0 + graded,
-                    Room::Genome | Room::Field | Room::Surface => 2.0 + graded,
+                match (rejected.room, rejected.reason.as_str()) {
+                    (Room::Solve | Room::Fitness, _) => {
+                        rejected.violation.clamp(f64::MIN_POSITIVE, 1.0)
+                    }
+                    (Room::Mesh | Room::Model, _) => 1.0 + graded,
+                    (_, "unresolved_surface" | "self_intersecting" | "too_many_triangles") => {
+                        2.0 + graded
+                    }
+                    (_, "no_surface") => 4.0,
+                    (Room::Genome | Room::Field | Room::Surface, _) => 3.0 + graded,
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever the size of its own violation, a candidate that came farther is nearer to acceptable.
+    #[test]
+    fn violations_are_ordered_by_how_far_a_candidate_came() {
+        let stages = [
+            (Room::Solve, "limit_point"),
+            (Room::Model, "folds_tighter_than_wall"),
+            (Room::Surface, "unresolved_surface"),
+            (Room::Surface, "islands"),
+            (Room::Surface, "no_surface"),
+        ];
+        let violations = stages.map(|(room, reason)| {
+            [1e-3, 1.0, 169.0].map(|violation| {
+                let rejected = Rejected::new(room, reason, String::new(), violation);
+                Outcome::Rejected(rejected).constraint_violation()
+            })
+        });
+        for pair in violations.windows(2) {
+            assert!(pair[0].iter().all(|near| pair[1].iter().all(|far| near < far)), "{pair:?}");
         }
     }
 }

@@ -42,6 +42,14 @@ impl JsonLog {
         let line = line(row, &self.path)?;
         self.file.write_all(&line).map_err(|source| OutputError::write(&self.path, source))
     }
+
+    /// Puts what was appended on the disk, where a power cut leaves it.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`] when the file system refuses.
+    pub fn sync(&self) -> Result<(), OutputError> {
+        self.file.sync_data().map_err(|source| OutputError::write(&self.path, source))
+    }
 }
 
 /// Replaces the log `path` by one that holds `rows`, whole or not at all.

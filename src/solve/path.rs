@@ -1,8 +1,9 @@
 //! The loading path: equilibria at increasing load.
 //!
 //! Every accepted state is a stable equilibrium. States stand at fixed sample loads, so that what is read off
-//! a path does not depend on how it was walked; between samples the step is halved when Newton's method
-//! fails. A step starts from a prediction: the cubic through the last two states and their tangents
+//! a path hardly depends on how it was walked; between samples the step is halved when Newton's method fails, when it
+//! met an indefinite tangent, and when the work done is not the energy stored. What is still so at the smallest step
+//! is accepted and marked: the part snapped. A step starts from a prediction: the cubic through the last two states and their tangents
 //!
 //! ```text
 //! K dx/dload = dC/dx          dC/dload = dC/dx . dx/dload          C = conjugate of the load (volume)
@@ -22,6 +23,8 @@ pub struct PathSettings {
     pub steps: usize,
     /// How often a step may be halved before the path ends.
     pub halvings: u32,
+    /// A step is halved while work done and energy stored differ by more than this share of the work so far.
+    pub work_tolerance: f64,
     /// Newton iterations that a whole path may use.
     pub iteration_budget: usize,
     /// When Newton's method stops.
@@ -30,7 +33,13 @@ pub struct PathSettings {
 
 impl Default for PathSettings {
     fn default() -> Self {
-        Self { steps: 10, halvings: 5, iteration_budget: 400, newton: NewtonSettings::default() }
+        Self {
+            steps: 10,
+            halvings: 5,
+            work_tolerance: 1e-3,
+            iteration_budget: 400,
+            newton: NewtonSettings::default(),
+        }
     }
 }
 
@@ -84,9 +93,9 @@ pub struct PathPoint {
     pub rate: Vec<f64>,
     /// The conjugate's derivative with respect to the load.
     pub conjugate_rate: f64,
-    /// Newton iterations spent since the point before.
+    /// Newton iterations spent since the point before, on steps that were given up too.
     pub newton_iterations: usize,
-    /// Iterations among them whose tangent was indefinite.
+    /// Iterations of the last step whose tangent was indefinite: above 0 the part snapped here, or came near it.
     pub shifted: usize,
 }
 
@@ -112,7 +121,7 @@ pub fn follow(
     points: Vec<PathPoint>,
     settings: &PathSettings,
 ) -> Result<Path, SolverFailure> {
-    let mut walk = Walk { system, solver, settings, points, iterations: 0, shifted: 0, spent: 0 };
+    let mut walk = Walk { system, solver, settings, points, iterations: 0, spent: 0 };
     let ending = walk.to(max_load)?;
     Ok(Path { points: walk.points, ending })
 }
@@ -124,7 +133,6 @@ struct Walk<'a> {
     points: Vec<PathPoint>,
     /// Since the last accepted point.
     iterations: usize,
-    shifted: usize,
     /// On this path.
     spent: usize,
 }
@@ -148,61 +156,65 @@ impl Walk<'_> {
         Ok(Ending::Reached)
     }
 
-    /// Walks to `target`, halving the step where Newton's method fails; the ending, where one came first.
+    /// Walks to `target`, halving the step where it fails or is too coarse; the ending, where one came first.
     fn reach(&mut self, target: f64, sample_step: f64) -> Result<Option<Ending>, SolverFailure> {
         let smallest = sample_step * 0.5_f64.powi(self.settings.halvings as i32);
         let mut step = target - self.last().load;
         loop {
-            let remaining = target - self.last().load;
-            let load =
-                if step >= remaining * (1.0 - 1e-9) { target } else { self.last().load + step };
-            match self.try_load(load)? {
-                Ok(()) if load == target => return Ok(None),
-                Ok(()) => {}
-                Err(Ending::BudgetSpent) => return Ok(Some(Ending::BudgetSpent)),
-                Err(ending) => {
-                    step = 0.5 * (load - self.last().load);
-                    if step < smallest * (1.0 - 1e-9) {
-                        return Ok(Some(ending));
+            let from = self.last().load;
+            let load = if step >= (target - from) * (1.0 - 1e-9) { target } else { from + step };
+            let halved = 0.5 * (load - from);
+            let may_halve = halved >= smallest * (1.0 - 1e-9);
+            self.system.set_load(load);
+            let guess = self.prediction(load);
+            match self.equilibrium(load, guess)? {
+                Ok(point) if self.resolves(&point) || !may_halve => {
+                    self.points.push(point);
+                    self.iterations = 0;
+                    if load == target {
+                        return Ok(None);
                     }
                 }
+                Err(Ending::BudgetSpent) => return Ok(Some(Ending::BudgetSpent)),
+                Err(ending) if !may_halve => return Ok(Some(ending)),
+                Ok(_) | Err(_) => step = halved,
             }
         }
-    }
-
-    /// Solves at `load` and accepts the state when it is a stable equilibrium.
-    fn try_load(&mut self, load: f64) -> Result<Result<(), Ending>, SolverFailure> {
-        self.system.set_load(load);
-        let mut x = self.prediction(load);
-        match self.solved(&mut x)? {
-            Ok(()) => self.accept(load, x),
-            Err(ending) => Ok(Err(ending)),
-        }
-    }
-
-    /// Moves `x` to the equilibrium at the system's load, within the path's budget.
-    fn solved(&mut self, x: &mut [f64]) -> Result<Result<(), Ending>, SolverFailure> {
-        let report = self.solver.solve(self.system, x, &self.settings.newton)?;
-        self.iterations += report.iterations;
-        self.spent += report.iterations;
-        self.shifted += report.shifted;
-        if self.spent > self.settings.iteration_budget {
-            return Ok(Err(Ending::BudgetSpent));
-        }
-        Ok(failure(&report).map_or(Ok(()), Err))
     }
 
     fn accept_start(&mut self) -> Result<Result<(), Ending>, SolverFailure> {
         self.system.set_load(0.0);
         // At rest nothing moves, unless a barrier already pushes.
-        let mut x = vec![0.0; self.system.pattern().order()];
-        match self.solved(&mut x)? {
-            Ok(()) => self.accept(0.0, x),
-            Err(ending) => Ok(Err(ending)),
-        }
+        let rest = vec![0.0; self.system.pattern().order()];
+        let start = self.equilibrium(0.0, rest)?;
+        Ok(start.map(|point| self.points.push(point)))
     }
 
-    fn accept(&mut self, load: f64, x: Vec<f64>) -> Result<Result<(), Ending>, SolverFailure> {
+    /// Whether the step to `point` is fine enough to be believed: Newton met no indefinite tangent on the way, and the
+    /// work done equals the energy stored.
+    fn resolves(&self, point: &PathPoint) -> bool {
+        let last = self.last();
+        let stored = point.stored_energy - last.stored_energy;
+        let work = point.work - last.work;
+        point.shifted == 0
+            && (work - stored).abs() <= self.settings.work_tolerance * point.work.abs()
+    }
+
+    /// The stable equilibrium near `x` at `load`, which the system is under.
+    fn equilibrium(
+        &mut self,
+        load: f64,
+        mut x: Vec<f64>,
+    ) -> Result<Result<PathPoint, Ending>, SolverFailure> {
+        let report = self.solver.solve(self.system, &mut x, &self.settings.newton)?;
+        self.iterations += report.iterations;
+        self.spent += report.iterations;
+        if self.spent > self.settings.iteration_budget {
+            return Ok(Err(Ending::BudgetSpent));
+        }
+        if let Some(ending) = failure(&report) {
+            return Ok(Err(ending));
+        }
         let negative_pivots = self.solver.linearize(self.system, &x)?;
         if negative_pivots != self.system.stable_negative_pivots() {
             return Ok(Err(Ending::Unstable));
@@ -224,21 +236,20 @@ impl Walk<'_> {
             x,
             rate,
             conjugate_rate,
-            newton_iterations: std::mem::take(&mut self.iterations),
-            shifted: std::mem::take(&mut self.shifted),
+            newton_iterations: self.iterations,
+            shifted: report.shifted,
         };
         if let Some(last) = self.points.last() {
             point.work = last.work + work_between(last, &point);
         }
-        self.points.push(point);
-        Ok(Ok(()))
+        Ok(Ok(point))
     }
 
     fn last(&self) -> &PathPoint {
         self.points.last().expect("the start is accepted first")
     }
 
-    /// The best of the cubic, the tangent and the last state itself, by the size of their residual.
+    /// The better of the cubic and the tangent by the size of their residual; the last state where neither is admissible.
     fn prediction(&mut self, load: f64) -> Vec<f64> {
         let last = self.last();
         let mut steps = vec![tangent_step(last, load)];

@@ -37,7 +37,7 @@ fn walked(mesh: &ShellMesh, backend: Backend, plane: Option<f64>) -> (ShellModel
     (model, path.points)
 }
 
-/// Within 15 % of the solid's tip. Edges of 2 to 4 mm of this shell agree to 1 %, so what is left (13 %) is the
+/// Within 15 % of the solid's tip. Edges of 2.5 to 4 mm of this shell agree to 1.5 % in x, so what is left (13 %) is the
 /// difference between a thin-shell theory and a wall as thick as its folds are sharp, not discretisation.
 /// The volume, which the folds decide less, agrees to 1 %.
 #[test]
@@ -112,18 +112,5 @@ fn petsc_and_native_agree_at_every_step() {
                 assert!((native / petsc - 1.0).abs() < 1e-8, "{native} {petsc}");
             }
         }
-    }
-}
-
-/// A plane within the barrier's reach of the resting part pushes it away before any pressure.
-#[test]
-fn plane_that_starts_a_hair_away_is_in_equilibrium_at_rest() {
-    let mesh = shell();
-    let (model, points) = walked(&mesh, Backend::Native, Some(1e-6));
-    let rest = &points[0];
-    assert!(rest.load == 0.0 && model.plane_force(&rest.x) > 0.0);
-    assert!(rest.newton_iterations > 0);
-    for point in &points {
-        assert!(model.smallest_gap(&point.x) > 0.0);
     }
 }

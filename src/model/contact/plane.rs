@@ -5,7 +5,7 @@
 //! energy   sum_samples A kappa b(d),   b(d) = -(d - h)^2 ln(d / h)  for 0 < d < h,  0 beyond
 //! ```
 //!
-//! The barrier is infinite at zero gap, so the outer face never passes the plane; it pushes when the gap is
+//! The barrier is infinite at zero gap, so no sample of the outer face passes the plane; it pushes when the gap is
 //! below `h`, which is the error of the contact's position. Samples are the limit points of vertices and edge
 //! midpoints, weighted by their share of the reference area, so that the contact pressure does not depend
 //! on the mesh. The outer face keeps half the thickness at rest. Source: Li et al. (2020), barrier of
@@ -21,6 +21,9 @@ use crate::mesh::ShellMesh;
 use crate::model::element::{LoopBasis, Sample, samples};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::system::Inadmissible;
+
+/// Where the barrier begins, in thicknesses.
+const ACTIVATION: f64 = 0.1;
 
 /// The share of its gap that a sample may use up in one step.
 const STEP_SHARE: f64 = 0.9;
@@ -49,7 +52,7 @@ impl PlaneSettings {
     pub fn before(mesh: &ShellMesh, normal: Vec3, distance: f64, pressure: f64) -> Self {
         let heights = mesh.surface.positions.iter().map(|x| normal.dot(x));
         let outermost = heights.fold(f64::INFINITY, f64::min) - 0.5 * mesh.thickness;
-        let activation = 0.1 * mesh.thickness;
+        let activation = ACTIVATION * mesh.thickness;
         // -b'(h / 2) = (ln 2 + 1/2) h.
         let stiffness = 10.0 * pressure / ((std::f64::consts::LN_2 + 0.5) * activation);
         Self { normal: normal.into(), offset: outermost - distance, activation, stiffness }
