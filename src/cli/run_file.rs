@@ -79,7 +79,6 @@ impl RunFile {
         self.gene_bounds()?;
         self.material.material()?;
         within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
-        positive("[fitness] plane_distance", self.fitness.plane_distance)?;
         check_distance("[fitness] plane_distance", self.fitness.plane_distance, &self.wall)?;
         check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
         let height = self.design_box.sides().z;
@@ -201,10 +200,11 @@ pub(super) fn check_distance(
     distance: f64,
     wall: &ShellSettings,
 ) -> anyhow::Result<()> {
+    positive(what, distance)?;
     let least = 0.2 * wall.thickness;
     ensure!(
         distance >= least,
-        "{what} is {distance}, but the plane must stand at least {least} mm (a fifth of the wall's thickness) away"
+        "{what} is {distance}, but the plane must stand at least {least:.3} mm (a fifth of the wall's thickness) away"
     );
     Ok(())
 }

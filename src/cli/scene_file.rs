@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
 
-use super::material::{MaterialSection, positive};
+use super::material::MaterialSection;
 use super::run_file::{
     SolverSection, check_distance, check_mesh, check_normal, check_shell, check_solver,
 };
@@ -90,7 +90,6 @@ impl SceneFile {
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
             check_distance("[[plane]] distance", plane.distance, &self.wall)?;
-            positive("[[plane]] distance", plane.distance)?;
         }
         Ok(())
     }

@@ -173,7 +173,8 @@ fn petsc_and_native_walk_through_the_same_tips() {
         assert_eq!(petsc.json("out/summary.json")["solver"], "petsc");
         for column in ["tip_x", "tip_y", "tip_z", "plane_force"] {
             let [a, b] = [&native, &petsc].map(|run| run.column("out/path.csv", column));
-            assert_eq!(a.len(), 5);
+            // Rest, four samples, and perhaps halved steps where the plane is met: the same for both.
+            assert!(a.len() >= 5 && a.len() == b.len(), "{} and {} rows", a.len(), b.len());
             for (step, (a, b)) in a.iter().zip(&b).enumerate() {
                 assert!((a - b).abs() <= 1e-8 * a.abs(), "{column} at step {step}: {a} and {b}");
             }

@@ -165,6 +165,11 @@ fn planes_that_are_none_are_told() {
         ("[nan, 0, 0]", "1", "[[plane]] normal must be a direction, not [NaN, 0.0, 0.0]"),
         ("[1e300, 0, 0]", "1", "[[plane]] normal must be a direction"),
         ("[1, 0, 0]", "0", "[[plane]] distance is 0.0, but it must be a positive number"),
+        (
+            "[1, 0, 0]",
+            "0.1",
+            "[[plane]] distance is 0.1, but the plane must stand at least 0.320 mm",
+        ),
         ("[1, 0, 0]", "-2", "[[plane]] distance is -2.0, but it must be a positive number"),
     ] {
         let plane = format!("{PART}[[plane]]\nnormal = {normal}\ndistance = {distance}\n");
