@@ -29,6 +29,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     settings.mesh.edge = edge.unwrap_or(settings.mesh.edge);
 
+    // One thread, so that its clock sees everything.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let stream = Stream::new(1);
     let bounds = Bounds::default();
     let mut columns: [Vec<f64>; 6] = Default::default();
@@ -36,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("  genome unknowns Newton  meshing assembly factorization   rest  total  outcome");
     while columns[0].len() < wanted {
         let genome = bounds.uniform(&mut stream.keyed(Purpose::Creation, 0, tried));
-        let candidate = evaluate_network(&genome.decode(), &settings)?;
+        let candidate = pool.install(|| evaluate_network(&genome.decode(), &settings))?;
         let s = candidate.seconds;
         let total = s.meshing + s.assembly + s.factorization + s.rest;
         let (unknowns, newton, what) = match &candidate.outcome {

@@ -61,7 +61,12 @@ pub(super) fn run(
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
-    let mesh = shell(&scene, path)?;
+    // The meshing's parallel loops stay on this thread's account: `cpu_seconds` is of one thread.
+    let mesh = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .use_current_thread()
+        .build()?
+        .install(|| shell(&scene, path))?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;

@@ -59,12 +59,8 @@ fn interpolating(targets: &[Vec3], rings: &Rings) -> Result<Vec<Vec3>, Rejected>
     let mut control = targets.to_vec();
     for _ in 0..ITERATIONS {
         let mut largest: f64 = 0.0;
-        for ((control, limit), target) in limit(&control, rings)
-            .iter()
-            .zip(targets)
-            .zip(&mut control)
-            .map(|((l, t), c)| ((c, l), t))
-        {
+        let limits = limit(&control, rings);
+        for ((control, limit), target) in control.iter_mut().zip(&limits).zip(targets) {
             let miss = target - limit;
             largest = largest.max(miss.amax());
             *control += DAMPING * miss;
