@@ -116,7 +116,8 @@ mod tests {
         }
     }
 
-    /// The printed actuator has rims at its caps, meshed with slivers: there the vertices give way, and nowhere else.
+    /// The reference part has sharp rims at its caps, meshed with slivers: there the vertices give way, and nowhere else.
+    /// How much that helps is recorded from this code, to notice a change; no theory gives those numbers.
     #[test]
     fn creases_give_way() {
         let surface =
