@@ -12,7 +12,7 @@ pub(super) struct MaterialSection {
     /// `ninjaflex-c2s` or `ninjaflex-yap2016`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     preset: Option<String>,
-    /// `neo-hookean` or `ogden`.
+    /// `neo-hookean`, `ogden` or `st-venant-kirchhoff`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     law: Option<String>,
     /// Shear modulus of the neo-Hookean law, MPa.
@@ -21,11 +21,17 @@ pub(super) struct MaterialSection {
     /// Terms of the Ogden law in Abaqus' convention, MPa.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     terms: Option<Vec<OgdenTerm>>,
+    /// Of the Saint-Venant-Kirchhoff law, MPa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    young_modulus: Option<f64>,
+    /// Of the Saint-Venant-Kirchhoff law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    poisson_ratio: Option<f64>,
 }
 
 impl Default for MaterialSection {
     fn default() -> Self {
-        Self { preset: Some("ninjaflex-c2s".to_owned()), law: None, mu: None, terms: None }
+        Self { preset: Some("ninjaflex-c2s".to_owned()), law: None, mu: None, terms: None, young_modulus: None, poisson_ratio: None }
     }
 }
 

@@ -2,14 +2,19 @@
 
 mod design_folder;
 mod evolve;
+mod formula;
 mod material;
 mod mesh;
+mod patch_part;
 mod provenance;
 mod report;
 mod run_file;
 mod run_folder;
 mod scene_file;
 mod simulate;
+mod verify_cases;
+mod verify_section;
+mod watch_curve;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -76,7 +76,7 @@ pub(super) fn run(
         .iter()
         .map(|plane| {
             let normal = Vec3::from(plane.normal).normalize();
-            PlaneSettings::before(&mesh, normal, plane.distance, scene.load.pressure)
+            PlaneSettings::before(&mesh, normal, plane.distance, scene.load_settings().pressure)
         })
         .collect();
     let mut model = ShellModel::new(&mesh, &scene.material.material()?, &Support::Clamp, &planes)
@@ -123,7 +123,7 @@ pub(super) fn run(
 /// The path of a part that is stable at rest, and what it took.
 fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, SolveTimes)> {
     let mut solver = scene.solver.backend.solver(model.pattern())?;
-    let load = &scene.load;
+    let load = scene.load_settings();
     let walked = follow(model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
     ensure!(
         !walked.points.is_empty(),
@@ -142,7 +142,7 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
                 scene.design_box,
                 scene.mesh.rim_radius,
             )?;
-            shell_of_field(&field, &scene.mesh, &scene.wall)
+            shell_of_field(&field, &scene.mesh, &scene.wall.settings())
                 .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))?
         }
         PartSource::Stl(file) => {
@@ -159,7 +159,7 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
                 crossings == 0,
                 "{name}: {crossings} pairs of triangles pass through each other"
             );
-            ShellMesh::new(surface, &scene.wall)
+            ShellMesh::new(surface, &scene.wall.settings())
                 .map_err(|rejected| anyhow!("{name}: {rejected}"))?
         }
     };
