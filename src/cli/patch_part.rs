@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::formula::Formula;
 use super::material::within;
 use crate::math::Vec3;
+use crate::mesh::Side;
+use crate::model::EdgeSupport;
 
 /// `[part.patch]`: the mid-surface `x(s, t), y(s, t), z(s, t)` over a rectangle of `s` and `t`, cut into cells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,11 +103,6 @@ pub(super) enum Measure {
     VolumeStretch,
 }
 
-/// TEMP
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Side { S0, S1, T0, T1 }
-
 /// An axis of space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -124,14 +121,6 @@ pub(super) enum Force {
     Edge { side: Side, per_length: Vec3 },
     /// MPa.
     Area { per_area: Vec3 },
-}
-
-/// How an `[[edge]]` is held.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Hold {
-    Clamped,
-    Symmetry(usize),
-    Held([bool; 3]),
 }
 
 /// What a `[[watch]]` follows.
@@ -189,11 +178,11 @@ impl PatchSection {
 const MOST_CELLS: usize = 1000;
 
 impl EdgeSection {
-    pub(super) fn hold(&self) -> anyhow::Result<Hold> {
+    pub(super) fn support(&self) -> anyhow::Result<EdgeSupport> {
         match (self.clamped, self.symmetry, &self.hold) {
-            (Some(true), None, None) => Ok(Hold::Clamped),
-            (None, Some(normal), None) => Ok(Hold::Symmetry(normal as usize)),
-            (None, None, Some(axes)) => held(axes, "[[edge]] hold").map(Hold::Held),
+            (Some(true), None, None) => Ok(EdgeSupport::Clamped),
+            (None, Some(normal), None) => Ok(EdgeSupport::Symmetry(normal as usize)),
+            (None, None, Some(axes)) => held(axes, "[[edge]] hold").map(EdgeSupport::Held),
             _ => bail!(
                 "[[edge]] wants exactly one of `clamped = true`, `symmetry = \"x\"` and `hold = [\"x\", \"z\"]`"
             ),
@@ -277,7 +266,7 @@ impl PatchConditions<'_> {
     /// Checks them one by one, and that every `at` is a vertex of `patch`.
     pub(super) fn check(&self, patch: &PatchSection) -> anyhow::Result<()> {
         for (i, edge) in self.edges.iter().enumerate() {
-            edge.hold()?;
+            edge.support()?;
             ensure!(
                 self.edges[..i].iter().all(|before| before.side != edge.side),
                 "[[edge]] lists the side {:?} twice",
@@ -366,9 +355,9 @@ mod tests {
 
     #[test]
     fn half_given_conditions_are_refused() {
-        let edge = |text: &str| toml::from_str::<EdgeSection>(text).unwrap().hold();
-        assert_eq!(edge("side = \"s0\"\nsymmetry = \"y\"").unwrap(), Hold::Symmetry(1));
-        let held = Hold::Held([true, false, true]);
+        let edge = |text: &str| toml::from_str::<EdgeSection>(text).unwrap().support();
+        assert_eq!(edge("side = \"s0\"\nsymmetry = \"y\"").unwrap(), EdgeSupport::Symmetry(1));
+        let held = EdgeSupport::Held([true, false, true]);
         assert_eq!(edge("side = \"t1\"\nhold = [\"x\", \"z\"]").unwrap(), held);
         assert!(edge("side = \"s0\"").is_err());
         assert!(edge("side = \"s0\"\nclamped = true\nsymmetry = \"y\"").is_err());

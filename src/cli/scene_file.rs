@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
-use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
 use super::material::{MaterialSection, positive};
@@ -33,7 +32,7 @@ pub(super) struct SceneFile {
     #[serde(default)]
     pub mesh: MeshSettings,
     #[serde(default)]
-    pub wall: WallSection,
+    pub wall: ShellSettings,
     #[serde(default)]
     pub material: MaterialSection,
     #[serde(default)]
@@ -89,57 +88,11 @@ pub(super) struct SphereSection {
     pub subdivisions: usize,
 }
 
-/// The wall, and the element that computes it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub(super) struct WallSection {
-    /// mm; the surface is the middle of the wall.
-    pub thickness: f64,
-    /// For a network or an STL: height of the clamp above the lowest vertex, in thicknesses.
-    pub clamp_height: f64,
-    /// For a network or an STL: length of the tip set below the highest vertex, as a fraction of the length along z.
-    pub tip_fraction: f64,
-    pub element: ElementName,
-}
-
-impl Default for WallSection {
-    fn default() -> Self {
-        let ShellSettings { thickness, clamp_height, tip_fraction } = ShellSettings::default();
-        Self { thickness, clamp_height, tip_fraction, element: ElementName::Loop }
-    }
-}
-
-impl WallSection {
-    pub(super) fn settings(&self) -> ShellSettings {
-        let Self { thickness, clamp_height, tip_fraction, .. } = *self;
-        ShellSettings { thickness, clamp_height, tip_fraction }
-    }
-}
-
-/// The names of the shell elements, in files and on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum ElementName {
-    /// Loop's subdivision surface.
-    Loop,
-    /// Flat triangles bent at their edges.
-    MidEdge,
-}
-
-impl ElementName {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Loop => "loop",
-            Self::MidEdge => "mid-edge",
-        }
-    }
-}
-
 /// What drives the part, and how its path is walked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct LoadSection {
-    /// Largest chamber pressure, MPa; without dead loads only.
+    /// Largest pressure, MPa: in the chamber, or on a patch towards its normal `x,s cross x,t`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
     /// Whether the answer is that of the linear theory: one linear solve at rest.
@@ -189,12 +142,12 @@ impl SceneFile {
     /// Checks everything that can be checked without the files it names.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         check_solver(self.solver.backend)?;
-        check_shell(&self.wall.settings(), &self.load_settings())?;
+        check_shell(&self.wall, &self.load_settings())?;
         check_mesh(self.design_box, &self.mesh)?;
         self.material.material()?;
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
-            check_distance("[[plane]] distance", plane.distance, &self.wall.settings())?;
+            check_distance("[[plane]] distance", plane.distance, &self.wall)?;
         }
         self.check_conditions()
     }
@@ -242,8 +195,8 @@ impl SceneFile {
             );
         }
         ensure!(
-            !(self.has_dead_loads() && self.load.pressure.is_some()),
-            "[load] has a pressure and the scene has dead loads; give one"
+            self.part.patch.is_none() || self.has_load(),
+            "a [part.patch] wants a load: [load] pressure, [[force]] or [[moment]]"
         );
         Ok(())
     }
@@ -263,15 +216,15 @@ impl SceneFile {
         Ok(scene)
     }
 
-    pub(super) fn has_dead_loads(&self) -> bool {
-        !(self.forces.is_empty() && self.moments.is_empty())
+    fn has_load(&self) -> bool {
+        self.load.pressure.is_some() || !self.forces.is_empty() || !self.moments.is_empty()
     }
 
-    /// The path's largest load and how it is walked; the load is a pressure in MPa, or the share of the dead loads.
+    /// The largest load and how its path is walked; the load of a patch is the share of all its loads, 1 at most.
     pub(super) fn load_settings(&self) -> LoadSettings {
-        let largest =
-            if self.has_dead_loads() { 1.0 } else { LoadSettings::default().pressure };
-        LoadSettings { pressure: self.load.pressure.unwrap_or(largest), path: self.load.path }
+        let pressure = self.load.pressure.unwrap_or(LoadSettings::default().pressure);
+        let largest = if self.part.patch.is_some() { 1.0 } else { pressure };
+        LoadSettings { pressure: largest, path: self.load.path }
     }
 
     /// What the part is made from; files are found beside the scene file at `path`.
@@ -327,7 +280,7 @@ pub(super) fn defaults() -> String {
         part: Part { network: Some("network.toml".into()), ..Part::default() },
         design_box: DesignBox::default(),
         mesh: MeshSettings::default(),
-        wall: WallSection::default(),
+        wall: ShellSettings::default(),
         material: MaterialSection::default(),
         load: LoadSection { pressure: Some(LoadSettings::default().pressure), ..LoadSection::default() },
         solver: default_solver(),

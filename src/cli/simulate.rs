@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
 use super::design_folder::{write_json, write_path, write_surface};
 use super::provenance::Provenance;
-use super::say;
 use super::scene_file::{PartSource, SceneFile};
+use super::{say, simulate_shape};
 use crate::field::{CappedField, CompiledNetwork};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
@@ -61,12 +61,16 @@ pub(super) fn run(
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
+    let source = scene.source(path)?;
+    if let PartSource::Patch(_) | PartSource::Sphere(_) = source {
+        return simulate_shape::run(path, &scene, &source, out, json);
+    }
     // The meshing's parallel loops stay on this thread's account: `cpu_seconds` is of one thread.
     let mesh = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .use_current_thread()
         .build()?
-        .install(|| shell(&scene, path))?;
+        .install(|| shell(&scene, &source))?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;
@@ -133,20 +137,20 @@ fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, So
     Ok((walked, solver.times()))
 }
 
-fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
-    let made = match scene.source(path)? {
+fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<ShellMesh> {
+    let made = match source {
         PartSource::Network(file) => {
-            let network = read_network(&file)?;
+            let network = read_network(file)?;
             let field = CappedField::new(
                 CompiledNetwork::new(&network),
                 scene.design_box,
                 scene.mesh.rim_radius,
             )?;
-            shell_of_field(&field, &scene.mesh, &scene.wall.settings())
+            shell_of_field(&field, &scene.mesh, &scene.wall)
                 .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))?
         }
         PartSource::Stl(file) => {
-            let surface = stl::read(&file, stl::WELD_TOLERANCE)?;
+            let surface = stl::read(file, stl::WELD_TOLERANCE)?;
             let name = file.display();
             surface.check_closed_manifold().with_context(|| name.to_string())?;
             let parts = surface.components().iter().max().map_or(0, |&last| last + 1);
@@ -159,9 +163,10 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
                 crossings == 0,
                 "{name}: {crossings} pairs of triangles pass through each other"
             );
-            ShellMesh::new(surface, &scene.wall.settings())
+            ShellMesh::new(surface, &scene.wall)
                 .map_err(|rejected| anyhow!("{name}: {rejected}"))?
         }
+        PartSource::Patch(_) | PartSource::Sphere(_) => bail!("the part is not one of a file"),
     };
     Ok(made)
 }

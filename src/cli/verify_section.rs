@@ -6,7 +6,8 @@ use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::material::positive;
-use super::scene_file::{ElementName, SceneFile};
+use super::scene_file::SceneFile;
+use crate::mesh::ShellElement;
 
 /// The references of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,7 +15,7 @@ use super::scene_file::{ElementName, SceneFile};
 pub(super) struct VerifySection {
     /// Where the numbers come from.
     pub source: String,
-    /// The load at which the path has its first limit point.
+    /// The share of the load at which the path has its first limit point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit_load: Option<f64>,
     /// The ladder of meshes, the coarsest first, instead of the part's own.
@@ -38,7 +39,7 @@ pub(super) enum MeshSize {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Accepted {
-    pub element: ElementName,
+    pub element: ShellElement,
     pub mesh: MeshSize,
     /// Of the largest reference value, %.
     pub error: f64,
@@ -49,7 +50,7 @@ pub(super) struct Accepted {
 #[serde(deny_unknown_fields)]
 pub(super) struct Reference {
     pub watch: String,
-    /// Increasing; the whole load where none is given.
+    /// Shares of the whole load, increasing; the whole where none is given.
     #[serde(default = "whole_load")]
     pub load: Vec<f64>,
     pub value: Vec<f64>,
@@ -70,7 +71,7 @@ impl fmt::Display for MeshSize {
 
 impl Accepted {
     /// Whether it speaks of this run.
-    pub(super) fn concerns(&self, element: ElementName, mesh: MeshSize) -> bool {
+    pub(super) fn concerns(&self, element: ShellElement, mesh: MeshSize) -> bool {
         self.element == element && self.mesh == mesh
     }
 }
@@ -78,7 +79,6 @@ impl Accepted {
 impl VerifySection {
     /// Checks it against the scene it belongs to, on every mesh.
     pub(super) fn check(&self, scene: &SceneFile) -> anyhow::Result<()> {
-        let largest = scene.load_settings().pressure;
         ensure!(!self.meshes.is_empty(), "[verify] meshes is empty");
         for &mesh in &self.meshes {
             let refined = scene.with_mesh(mesh)?;
@@ -105,10 +105,9 @@ impl VerifySection {
                 value.len()
             );
             ensure!(load.is_sorted_by(|a, b| a < b), "{what}: the loads do not increase");
-            let is_on_path = |load: &f64| *load > 0.0 && *load <= largest * (1.0 + 1e-12);
             ensure!(
-                load.iter().all(is_on_path),
-                "{what}: a load is not between 0 and the largest of the path, {largest}"
+                load.iter().all(|&load| load > 0.0 && load <= 1.0),
+                "{what}: a load is not a share between 0 and 1"
             );
             ensure!(
                 value.iter().all(|v| v.is_finite()) && value.iter().any(|v| *v != 0.0),
