@@ -58,7 +58,8 @@ impl ShellModel {
     ) -> Result<Self, Rejected> {
         let bases = LoopBasis::of_stencils(&mesh.stencils);
         let reference = fitted_control_points(mesh, &bases)?;
-        let wall = LoopShell::new(mesh, &bases, &reference, material.clone())?;
+        let wall =
+            LoopShell::new(&mesh.stencils, &bases, &reference, mesh.thickness, material.clone())?;
         let chamber = ChamberPressure::new(mesh, &bases);
         let planes: Vec<PlaneContact> = planes
             .iter()

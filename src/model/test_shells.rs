@@ -6,7 +6,8 @@ use nalgebra::Matrix3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::element::{LoopBasis, fitted_control_points};
+use super::element::{LoopBasis, LoopShell, fitted_control_points};
+use super::material::Material;
 use crate::math::Vec3;
 use crate::mesh::{Rings, ShellMesh, ShellSettings};
 use crate::surface::TriangleMesh;
@@ -35,6 +36,12 @@ impl TestShell {
         };
         let deformed = reference.iter().map(deform).collect();
         Self { mesh, bases, reference, deformed }
+    }
+
+    pub(super) fn wall(&self, material: Material) -> LoopShell {
+        let mesh = &self.mesh;
+        LoopShell::new(&mesh.stencils, &self.bases, &self.reference, mesh.thickness, material)
+            .unwrap()
     }
 }
 

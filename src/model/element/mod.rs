@@ -6,6 +6,7 @@ mod jet;
 mod kinematics;
 mod loop_patch;
 mod loop_shell;
+mod wall_point;
 
 pub use fit::fitted_control_points;
 pub use loop_patch::{LoopBasis, Sample, samples};

@@ -54,6 +54,15 @@ impl Material {
         }
     }
 
+    /// The stretch of the wall's thickness, with derivatives, where the mid-surface has invariants `T` and `J`.
+    #[must_use]
+    #[inline]
+    pub fn thickness_stretch(&self, _t: f64, j: f64) -> EnergyDensity {
+        let value = 1.0 / j.sqrt();
+        let slope = -0.5 * value / j;
+        EnergyDensity { value, first: [0.0, slope], second: [0.0, 0.0, -1.5 * slope / j] }
+    }
+
     /// The shear modulus at rest, MPa.
     #[must_use]
     pub fn shear_modulus(&self) -> f64 {
