@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::element::{LoopBasis, LoopShell, fitted_control_points};
+use super::element::{ElementPoints, LoopBasis, LoopShell, SampledSurface, fitted_control_points};
 use super::material::Material;
 use crate::math::Vec3;
 use crate::mesh::{Rings, ShellMesh, ShellSettings};
@@ -36,6 +36,14 @@ impl TestShell {
         };
         let deformed = reference.iter().map(deform).collect();
         Self { mesh, bases, reference, deformed }
+    }
+
+    pub(super) fn points(&self) -> Vec<ElementPoints> {
+        ElementPoints::of_stencils(&self.mesh.stencils, &self.bases)
+    }
+
+    pub(super) fn surface(&self) -> SampledSurface {
+        SampledSurface::new(&self.mesh.surface.triangles, &self.points(), self.reference.len())
     }
 
     pub(super) fn wall(&self, material: Material) -> LoopShell {

@@ -15,7 +15,8 @@ use std::rc::Rc;
 use nalgebra::Matrix3;
 
 use super::kinematics::Derivatives;
-use super::loop_patch::{LoopBasis, ascending};
+use super::loop_patch::LoopBasis;
+use super::points::ascending;
 use super::wall_point::{WallPoint, bending_depth};
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::Stencil;

@@ -6,9 +6,11 @@ mod jet;
 mod kinematics;
 mod loop_patch;
 mod loop_shell;
+mod points;
 mod wall_point;
 
 pub use fit::fitted_control_points;
-pub use loop_patch::{LoopBasis, Sample, samples};
-pub(in crate::model) use loop_patch::{SUBTRIANGLES, ascending};
+pub use loop_patch::LoopBasis;
 pub use loop_shell::LoopShell;
+pub use points::{ElementPoints, Sample, SampledSurface};
+pub(in crate::model) use points::{SUBTRIANGLES, ascending};
