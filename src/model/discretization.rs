@@ -63,7 +63,7 @@ impl Discretization {
                 // The smooth volume: facets and their halves, extrapolated.
                 let halves = ChamberPressure::new(&limit, Vec::new()).volume(&control);
                 let smooth = (4.0 * halves - mesh.surface.volume()) / 3.0;
-                let reference = volume_matched(&mesh.surface.positions, triangles, smooth);
+                let reference = volume_matched(&mesh.surface, smooth)?;
                 let hinges = hinges(triangles, &BTreeMap::new());
                 let wall = MidEdgeShell::new(&hinges, &reference, thickness, material.clone())?;
                 let areas = facet_areas(triangles, &reference);

@@ -21,4 +21,5 @@ mod test_shells;
 mod tie;
 
 pub use edge_support::{EdgeSupport, EdgeSupports};
+pub use load::DeadLoad;
 pub use shell_model::{PatchLoads, ShellModel, Support};
