@@ -10,8 +10,9 @@
 
 use std::rc::Rc;
 
+use super::kinematics::Derivatives;
 use super::loop_patch::{LoopBasis, limit_weight};
-use super::loop_shell::{TIGHTEST_FOLD, least_shifter};
+use super::wall_point::{TIGHTEST_FOLD, least_shifter};
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::{Rings, ShellMesh};
 
@@ -34,7 +35,7 @@ pub fn fitted_control_points(
         let mut gave_way = false;
         for (stencil, basis) in mesh.stencils.iter().zip(bases) {
             let x: Vec<Vec3> = stencil.nodes.iter().map(|&v| control[v as usize]).collect();
-            if least_shifter(&basis.barycentre, &x, mesh.thickness) < TIGHTEST_FOLD {
+            if tightness(&basis.barycentre, &x, mesh.thickness) < TIGHTEST_FOLD {
                 for v in stencil.corners() {
                     gave_way |= targets[v as usize] != smooth[v as usize];
                     targets[v as usize] = smooth[v as usize];
@@ -47,6 +48,11 @@ pub fn fitted_control_points(
         control = interpolating(&targets, &mesh.rings)?;
     }
     Ok(control)
+}
+
+/// [`least_shifter`] of an element; 0 where it is degenerate.
+fn tightness(basis: &[[f64; 5]], x: &[Vec3], thickness: f64) -> f64 {
+    Derivatives::new(basis, x).forms().map_or(0.0, |forms| least_shifter(forms, thickness))
 }
 
 /// Solves `L X = targets` by damped iteration.
@@ -128,7 +134,7 @@ mod tests {
         let shifters = |control: &[Vec3]| -> Vec<f64> {
             let shifter = |(stencil, basis): (&Stencil, &Rc<LoopBasis>)| {
                 let x: Vec<Vec3> = stencil.nodes.iter().map(|&v| control[v as usize]).collect();
-                least_shifter(&basis.barycentre, &x, mesh.thickness)
+                tightness(&basis.barycentre, &x, mesh.thickness)
             };
             mesh.stencils.iter().zip(&bases).map(shifter).collect()
         };
@@ -182,7 +188,8 @@ mod tests {
                 curvature += mean * basis.area(&x);
             }
             let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
-            let shell = LoopShell::new(&mesh, &bases, &control, material).unwrap();
+            let shell =
+                LoopShell::new(&mesh.stencils, &bases, &control, mesh.thickness, material).unwrap();
             let exact = 4.0 * PI * RADIUS * RADIUS;
             // The wall's volume is t A (1 + K t^2 / 12); its curvature is that of the mesh, up to 15 % wrong.
             let wall = exact * 0.5 * (1.0 + 0.25 / (12.0 * RADIUS * RADIUS));

@@ -40,6 +40,26 @@ impl Jet {
         out
     }
 
+    /// `f(self, other)`, given `f`, its first derivatives, and its second ones by self, by both, by other.
+    pub(super) fn chain_with(&self, other: &Self, f: f64, df: [f64; 2], ddf: [f64; 3]) -> Self {
+        let mut out = Self { value: f, ..*self };
+        let (x, y) = (&self.gradient, &other.gradient);
+        let mut pair = 0;
+        for i in 0..VARIABLES {
+            out.gradient[i] = df[0] * x[i] + df[1] * y[i];
+            let on_x = ddf[0] * x[i] + ddf[1] * y[i];
+            let on_y = ddf[1] * x[i] + ddf[2] * y[i];
+            for j in 0..=i {
+                out.hessian[pair] = df[0] * self.hessian[pair]
+                    + df[1] * other.hessian[pair]
+                    + on_x * x[j]
+                    + on_y * y[j];
+                pair += 1;
+            }
+        }
+        out
+    }
+
     /// `self` to the power `exponent`; the value must be positive.
     pub(super) fn powf(&self, exponent: f64) -> Self {
         let f = self.value.powf(exponent);
@@ -98,6 +118,22 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+
+    /// `x y^2` as a function of two jets, `x^2` and `y / z`, at (3, 5, 2).
+    #[test]
+    fn chain_of_two_jets_is_the_product_rule() {
+        let [x, y, z] = [(0, 3.0), (1, 5.0), (2, 2.0)].map(|(i, v)| Jet::variable(i, v));
+        let (p, q) = (&x * &x, &y * &z.powf(-1.0));
+        let (a, b) = (p.value, q.value);
+        let chained = p.chain_with(&q, a * b * b, [b * b, 2.0 * a * b], [0.0, 2.0 * b, 2.0 * a]);
+        let product = &(&p * &q) * &q;
+        for (one, other) in chained.gradient.iter().zip(&product.gradient) {
+            assert_relative_eq!(one, other, max_relative = 1e-14);
+        }
+        for (one, other) in chained.hessian.iter().zip(&product.hessian) {
+            assert_relative_eq!(one, other, max_relative = 1e-14);
+        }
+    }
 
     /// Of `x^2 y / z` at (3, 5, 2) every derivative is known by hand.
     #[test]

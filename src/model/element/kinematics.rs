@@ -38,13 +38,13 @@ impl Derivatives {
     }
 
     /// First and second fundamental form.
-    pub(super) fn forms(&self) -> Result<(Form, Form), Inadmissible> {
+    pub(super) fn forms(&self) -> Result<[Form; 2], Inadmissible> {
         let [a1, a2, x11, x22, x12] = &self.d;
         if !(self.jacobian > 0.0 && self.jacobian.is_finite()) {
             return Err(Inadmissible("an element has collapsed"));
         }
         let n = &self.normal;
-        Ok(([a1.dot(a1), a2.dot(a2), a1.dot(a2)], [x11.dot(n), x22.dot(n), x12.dot(n)]))
+        Ok([[a1.dot(a1), a2.dot(a2), a1.dot(a2)], [x11.dot(n), x22.dot(n), x12.dot(n)]])
     }
 
     /// The parts of `db_k` along `da1` and `da2`: `v x a` with `v = P x_k / j`.
