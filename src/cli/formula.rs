@@ -60,7 +60,10 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_in_one_line() {
         let error = |text: &str| Formula::parse(text, &["s", "t"]).unwrap_err().to_string();
-        assert_eq!(error("25*sin(u)"), "`25*sin(u)` names `u`, but a formula here knows `s`, `t`, `pi`");
+        assert_eq!(
+            error("25*sin(u)"),
+            "`25*sin(u)` names `u`, but a formula here knows `s`, `t`, `pi`"
+        );
         for text in ["", "25*(s", "s+", "s t", "sin", "2*)", "ß"] {
             let said = error(text);
             assert!(!said.is_empty() && said.lines().count() == 1, "{text}: {said}");

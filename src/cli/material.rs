@@ -3,7 +3,7 @@
 use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
 
-use crate::model::material::{Material, NeoHookean, Ogden, OgdenTerm};
+use crate::model::material::{Material, NeoHookean, Ogden, OgdenTerm, StVenantKirchhoff};
 
 /// What a file says about the material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,29 +31,37 @@ pub(super) struct MaterialSection {
 
 impl Default for MaterialSection {
     fn default() -> Self {
-        Self { preset: Some("ninjaflex-c2s".to_owned()), law: None, mu: None, terms: None, young_modulus: None, poisson_ratio: None }
+        Self {
+            preset: Some("ninjaflex-c2s".to_owned()),
+            law: None,
+            mu: None,
+            terms: None,
+            young_modulus: None,
+            poisson_ratio: None,
+        }
     }
 }
 
 impl MaterialSection {
     pub(super) fn material(&self) -> anyhow::Result<Material> {
-        match (self.preset.as_deref(), self.law.as_deref(), self.mu, &self.terms) {
-            (Some("ninjaflex-c2s"), None, None, None) => {
+        let elastic = (self.young_modulus, self.poisson_ratio);
+        match (self.preset.as_deref(), self.law.as_deref(), self.mu, &self.terms, elastic) {
+            (Some("ninjaflex-c2s"), None, None, None, (None, None)) => {
                 Ok(Material::Ogden(Ogden::ninjaflex_c2s()))
             }
-            (Some("ninjaflex-yap2016"), None, None, None) => {
+            (Some("ninjaflex-yap2016"), None, None, None, (None, None)) => {
                 Ok(Material::Ogden(Ogden::ninjaflex_yap2016()))
             }
-            (Some(preset), None, None, None) => {
+            (Some(preset), None, None, None, (None, None)) => {
                 bail!(
                     "[material] has no preset `{preset}`; it has ninjaflex-c2s and ninjaflex-yap2016"
                 )
             }
-            (None, Some("neo-hookean"), Some(mu), None) => {
+            (None, Some("neo-hookean"), Some(mu), None, (None, None)) => {
                 positive("[material] mu", mu)?;
                 Ok(Material::NeoHookean(NeoHookean { mu }))
             }
-            (None, Some("ogden"), None, Some(terms)) => {
+            (None, Some("ogden"), None, Some(terms), (None, None)) => {
                 if terms.is_empty() {
                     bail!(
                         "[material] terms is empty; an Ogden law has at least one {{ mu, alpha }}"
@@ -70,13 +78,28 @@ impl MaterialSection {
                 positive("the sum of mu over the [material] terms", modulus)?;
                 Ok(Material::Ogden(Ogden::new(terms)))
             }
-            (None, Some(law), ..) if law != "neo-hookean" && law != "ogden" => {
+            (
+                None,
+                Some("st-venant-kirchhoff"),
+                None,
+                None,
+                (Some(young_modulus), Some(poisson_ratio)),
+            ) => {
+                // Textbook cases come in newtons and metres too.
+                within("[material] young_modulus", young_modulus, 1e-9, 1e15)?;
+                within("[material] poisson_ratio", poisson_ratio, -0.99, 0.5)?;
+                let law = StVenantKirchhoff { young_modulus, poisson_ratio };
+                Ok(Material::StVenantKirchhoff(law))
+            }
+            (None, Some(law), ..)
+                if !["neo-hookean", "ogden", "st-venant-kirchhoff"].contains(&law) =>
+            {
                 bail!(
-                    "[material] has no law `{law}`; it has neo-hookean (with mu) and ogden (with terms)"
+                    "[material] has no law `{law}`; it has neo-hookean (with mu), ogden (with terms) and st-venant-kirchhoff (with young_modulus and poisson_ratio)"
                 )
             }
             _ => bail!(
-                "[material] wants either `preset`, or `law = \"neo-hookean\"` with `mu`, or `law = \"ogden\"` with `terms`"
+                "[material] wants either `preset`, or `law = \"neo-hookean\"` with `mu`, or `law = \"ogden\"` with `terms`, or `law = \"st-venant-kirchhoff\"` with `young_modulus` and `poisson_ratio`"
             ),
         }
     }

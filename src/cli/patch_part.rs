@@ -127,7 +127,10 @@ pub(super) enum Force {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Watched {
     /// The displacement of the vertex at `s`, `t` along a unit vector, mm.
-    Displacement { at: [f64; 2], direction: Vec3 },
+    Displacement {
+        at: [f64; 2],
+        direction: Vec3,
+    },
     Whole(Measure),
 }
 

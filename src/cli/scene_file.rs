@@ -282,7 +282,10 @@ pub(super) fn defaults() -> String {
         mesh: MeshSettings::default(),
         wall: ShellSettings::default(),
         material: MaterialSection::default(),
-        load: LoadSection { pressure: Some(LoadSettings::default().pressure), ..LoadSection::default() },
+        load: LoadSection {
+            pressure: Some(LoadSettings::default().pressure),
+            ..LoadSection::default()
+        },
         solver: default_solver(),
         planes: Vec::new(),
         edges: Vec::new(),

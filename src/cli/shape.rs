@@ -62,13 +62,7 @@ impl Shape {
         let walked = if scene.load.linear {
             linear_step(&mut self.model, solver.as_mut(), largest.pressure)?
         } else {
-            follow(
-                &mut self.model,
-                solver.as_mut(),
-                largest.pressure,
-                Vec::new(),
-                &largest.path,
-            )?
+            follow(&mut self.model, solver.as_mut(), largest.pressure, Vec::new(), &largest.path)?
         };
         let seconds = cpu_seconds() - start;
         let snap = walked.points.iter().position(|point| point.shifted > 0);
@@ -77,7 +71,11 @@ impl Shape {
             unknowns: self.model.free_unknowns(),
             cpu_seconds: seconds,
             times: solver.times(),
-            curves: self.watched.iter().map(|&w| self.curve(w, &walked, largest.pressure)).collect(),
+            curves: self
+                .watched
+                .iter()
+                .map(|&w| self.curve(w, &walked, largest.pressure))
+                .collect(),
             limit_load: walked.points.get(last).map_or(0.0, |point| point.load / largest.pressure),
             walked,
         })
@@ -94,9 +92,8 @@ impl Shape {
         let number = |point: &PathPoint| match (watched, vertex) {
             (Watched::Displacement { direction, .. }, Some(vertex)) => {
                 // The displacement of a vertex is linear in the unknowns.
-                let along = |x: &[f64]| {
-                    self.model.vertex_displacements(x)[vertex as usize].dot(&direction)
-                };
+                let along =
+                    |x: &[f64]| self.model.vertex_displacements(x)[vertex as usize].dot(&direction);
                 [along(&point.x), along(&point.rate)]
             }
             (Watched::Whole(Measure::VolumeStretch), _) => {
@@ -119,9 +116,8 @@ fn of_patch(
     watched: Vec<Watched>,
 ) -> anyhow::Result<Shape> {
     let surface = section.surface()?;
-    let patch =
-        Patch::new(section.cells, section.s, section.t, scene.wall.thickness, &surface)
-            .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
+    let patch = Patch::new(section.cells, section.s, section.t, scene.wall.thickness, &surface)
+        .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
     let vertex = |[s, t]: [f64; 2]| {
         patch.vertex(s, t).with_context(|| format!("no vertex of the patch lies at [{s}, {t}]"))
     };
@@ -180,7 +176,8 @@ fn of_sphere(
     let rejected = |rejected| anyhow!("[part.sphere]: {rejected}");
     let mesh = ShellMesh::new(surface, &settings).map_err(rejected)?;
     let material = scene.material.material()?;
-    let model = ShellModel::new(&mesh, &material, &Support::Unknowns(pins), &[]).map_err(rejected)?;
+    let model =
+        ShellModel::new(&mesh, &material, &Support::Unknowns(pins), &[]).map_err(rejected)?;
     let watched = watched.into_iter().map(|watched| (watched, None)).collect();
     Ok(Shape { surface: mesh.surface, model, watched })
 }

@@ -136,8 +136,11 @@ pub(super) fn run(
 
 impl Summary<'_> {
     fn in_words(&self, out: &Path) -> String {
-        let watches: Vec<String> =
-            self.watches.iter().map(|watch| format!("{} = {:.6e}", watch.name, watch.value)).collect();
+        let watches: Vec<String> = self
+            .watches
+            .iter()
+            .map(|watch| format!("{} = {:.6e}", watch.name, watch.value))
+            .collect();
         format!(
             "{} at load {:.4}: largest displacement {:.4e} mm, stored energy {:.4e} mJ{}{}\n\
              {} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",

@@ -159,7 +159,11 @@ fn run_case(
             runs.push(run);
         }
         let accepted = Some(accept.error);
-        curves.push(ErrorCurve { element: element_name(accept.element).to_owned(), runs, accepted });
+        curves.push(ErrorCurve {
+            element: element_name(accept.element).to_owned(),
+            runs,
+            accepted,
+        });
     }
     Ok(curves)
 }
@@ -332,7 +336,9 @@ mod tests {
             ending: "reached",
         };
         let (head, line) = (heading(), line(&row, None));
-        for (name, cell) in [("CPU s", "1.23"), ("error %", "0.166"), ("order", "2.01"), ("accepted", "1 %")] {
+        for (name, cell) in
+            [("CPU s", "1.23"), ("error %", "0.166"), ("order", "2.01"), ("accepted", "1 %")]
+        {
             let end = |text: &str, part: &str| text.find(part).unwrap() + part.len();
             assert_eq!(end(&head, name), end(&line, cell), "{name}");
         }

@@ -75,8 +75,9 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::cli::patch_part::{Axis, EdgeSection, PatchSection, Side, Watched};
+    use crate::cli::patch_part::{Axis, EdgeSection, PatchSection, Watched};
     use crate::math::Vec3;
+    use crate::mesh::Side;
 
     fn cases() -> Vec<Case> {
         names().map(|name| case(name).unwrap_or_else(|error| panic!("{error:#}"))).collect()
@@ -111,7 +112,10 @@ mod tests {
     #[test]
     fn an_unknown_case_names_the_known() {
         let error = case("scordelis").map(drop).unwrap_err().to_string();
-        assert!(error.starts_with("there is no case `scordelis`; there are scordelis_lo, "), "{error}");
+        assert!(
+            error.starts_with("there is no case `scordelis`; there are scordelis_lo, "),
+            "{error}"
+        );
     }
 
     /// Triangles on every mesh of the ladder have areas, and their normals do not turn over from one to the next.
@@ -136,12 +140,13 @@ mod tests {
     fn cell_normals(patch: &PatchSection, surface: &dyn Fn(f64, f64) -> Vec3) -> Vec<Vec3> {
         let [n, m] = patch.cells;
         let at = |i: usize, j: usize| {
-            let along = |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * i as f64 / n as f64;
+            let along = |[low, high]: [f64; 2], i: usize, n: usize| {
+                low + (high - low) * i as f64 / n as f64
+            };
             surface(along(patch.s, i, n), along(patch.t, j, m))
         };
-        let places = (0..m).flat_map(|j| {
-            (0..n).map(move |i| if j % 2 == 0 { (i, j) } else { (n - 1 - i, j) })
-        });
+        let places = (0..m)
+            .flat_map(|j| (0..n).map(move |i| if j % 2 == 0 { (i, j) } else { (n - 1 - i, j) }));
         places
             .map(|(i, j)| (at(i + 1, j + 1) - at(i, j)).cross(&(at(i, j + 1) - at(i + 1, j))) * 0.5)
             .collect()

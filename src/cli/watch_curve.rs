@@ -69,7 +69,8 @@ impl WatchCurve {
             }
             // A value that is not a number is as far as can be.
             if !worst.is_some_and(|worst| error <= worst.error) {
-                worst = Some(Deviation { error, load, measured, reference: value, pointwise_error });
+                worst =
+                    Some(Deviation { error, load, measured, reference: value, pointwise_error });
             }
         }
         let worst = worst.expect("a reference has at least one value");
@@ -104,8 +105,11 @@ mod tests {
 
     #[test]
     fn the_worst_point_is_named() {
-        let reference =
-            Reference { watch: "w".to_owned(), load: vec![0.0, 0.3, 1.0], value: vec![1.1, 1.0, 4.0] };
+        let reference = Reference {
+            watch: "w".to_owned(),
+            load: vec![0.0, 0.3, 1.0],
+            value: vec![1.1, 1.0, 4.0],
+        };
         let deviation = cubic().deviation(&reference).unwrap();
         // 1 + 0.3 - 0.18 + 0.081 = 1.201 at 0.3; 3 at 1.
         assert_eq!(deviation.load, 1.0);

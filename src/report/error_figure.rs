@@ -59,7 +59,9 @@ fn draw_panel(
     let has_place = |(x, y): &(f64, f64)| *x > 0.0 && *y > 0.0 && x.is_finite() && y.is_finite();
     let series: Vec<Vec<(f64, f64)>> = curves
         .iter()
-        .map(|curve| curve.runs.iter().map(|run| (x_of(run), run.error)).filter(has_place).collect())
+        .map(|curve| {
+            curve.runs.iter().map(|run| (x_of(run), run.error)).filter(has_place).collect()
+        })
         .collect();
     let accepted = || curves.iter().filter_map(|curve| curve.accepted);
     let x = decades(series.iter().flatten().map(|at| at.0));
@@ -165,7 +167,9 @@ mod tests {
             let range = decades(values.iter().copied());
             [range.start, range.end].map(|end| end.log10())
         };
-        for (values, exact) in [(&[0.3, 42.0][..], [-1.0, 2.0]), (&[1.0], [0.0, 1.0]), (&[], [0.0, 1.0])] {
+        for (values, exact) in
+            [(&[0.3, 42.0][..], [-1.0, 2.0]), (&[1.0], [0.0, 1.0]), (&[], [0.0, 1.0])]
+        {
             let ends = ends(values);
             assert!((0..2).all(|i| (ends[i] - exact[i]).abs() < 1e-8), "{values:?}: {ends:?}");
         }
