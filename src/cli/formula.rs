@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 
 use anyhow::{anyhow, ensure};
-use exmex::{Express, FlatEx};
+use exmex::{Express, FlatEx, FloatOpsFactory, MatchLiteral};
 
 /// A number that depends on a few others.
 #[derive(Clone, Debug)]
 pub(super) struct Formula {
-    expression: FlatEx<f64>,
+    expression: Expression,
     /// For each name that occurs: its place among the variables; `pi` is after the last.
     places: Vec<usize>,
 }
@@ -21,7 +21,7 @@ impl Formula {
     pub(super) fn parse(text: &str, variables: &[&str]) -> anyhow::Result<Self> {
         let wrong = |said: &str| anyhow!("`{text}` is no formula: {}", said.replace('\n', " "));
         ensure!(!text.trim().is_empty(), "the formula is empty");
-        let expression = FlatEx::<f64>::parse(text).map_err(|error| wrong(error.msg()))?;
+        let expression = Expression::parse(text).map_err(|error| wrong(error.msg()))?;
         let known = || variables.iter().copied().chain(["pi"]);
         let place = |name: &String| {
             known().position(|known| known == name).ok_or_else(|| {
@@ -41,6 +41,30 @@ impl Formula {
     }
 }
 
+type Expression = FlatEx<f64, FloatOpsFactory<f64>, Number>;
+
+/// What begins like a number: the parser's own knows no exponents.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Number;
+
+impl MatchLiteral for Number {
+    fn is_literal(text: &str) -> Option<&str> {
+        let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+        let mut end = digits(0);
+        let mut count = end;
+        if text[end..].starts_with('.') {
+            count += digits(end + 1);
+            end += 1 + digits(end + 1);
+        }
+        if text[end..].starts_with(['e', 'E']) {
+            let sign = usize::from(text[end + 1..].starts_with(['+', '-']));
+            let exponent = digits(end + 1 + sign);
+            end += if exponent > 0 { 1 + sign + exponent } else { 0 };
+        }
+        (count > 0).then(|| &text[..end])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,6 +76,7 @@ mod tests {
         assert_eq!(value("s^2 - t^2"), 4.0 - 900.0);
         assert_eq!(value("-s^2 + 3*-t"), 4.0 - 90.0, "a sign binds tighter than a power here");
         assert_eq!(value("2/s*t"), 30.0);
+        assert_eq!(value("1e-3 + 2.5E+2*t - .5"), 1e-3 + 7500.0 - 0.5);
         // Sine of 30 degrees, to rounding.
         assert!((value("25*sin(t*pi/180)") - 12.5).abs() < 1e-14);
         assert!(value("sqrt(-s)").is_nan());

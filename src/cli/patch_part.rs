@@ -99,8 +99,8 @@ pub(super) struct WatchSection {
 pub(super) enum Measure {
     /// Energy stored in the wall, mJ.
     StoredEnergy,
-    /// Cube root of the enclosed volume over that at rest.
-    VolumeStretch,
+    /// Cube root of the enclosed volume over that at rest, less 1.
+    VolumeStrain,
 }
 
 /// An axis of space.
@@ -294,7 +294,7 @@ impl PatchConditions<'_> {
                     patch.check_vertex(&format!("[[watch]] {}: at", watch.name), at)?;
                 }
                 Watched::Whole(Measure::StoredEnergy) => {}
-                Watched::Whole(Measure::VolumeStretch) => {
+                Watched::Whole(Measure::VolumeStrain) => {
                     bail!("[[watch]] {}: a patch encloses no volume", watch.name)
                 }
             }
