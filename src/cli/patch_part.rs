@@ -334,8 +334,8 @@ mod tests {
             format!("{:#}", patch.check().unwrap_err())
         };
         assert_eq!(
-            error(&|p| p.x = "sin(u)".to_owned()),
-            "[part.patch] x: `sin(u)` names `u`, but a formula here knows `s`, `t`, `pi`"
+            error(&|p| p.x = "2*s)".to_owned()),
+            "[part.patch] x: `2*s)` has `)` at place 4, where an operator is wanted"
         );
         assert_eq!(
             error(&|p| p.s = [1.0, 1.0]),
