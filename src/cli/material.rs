@@ -218,7 +218,7 @@ fn ogden(terms: &[OgdenTerm]) -> anyhow::Result<Ogden> {
     Ok(Ogden::new(terms))
 }
 
-/// Below it Poisson's ratio would be less than -0.3, and nothing is known of the thickness's solve.
+/// Bulk over shear modulus, a Poisson's ratio of -0.29: the softest volume for which the laws are tested.
 const SOFTEST_VOLUME: f64 = 0.3;
 /// Measured laws have exponents up to some 25; far beyond, the powers of the stretches overflow.
 const LARGEST_EXPONENT: f64 = 100.0;
