@@ -17,7 +17,7 @@ pub(super) fn write_surface(folder: &Path, mesh: &ShellMesh) -> Result<(), Outpu
     stl::write(&folder.join("wall.stl"), &mesh.surface.wall(mesh.thickness))
 }
 
-/// Writes `<name>.csv`, and `<name>.pvd` with one deformed surface for each of `points`.
+/// Writes `<name>.csv`, and the pictures of `points`.
 pub(super) fn write_path(
     folder: &Path,
     name: &str,
@@ -27,13 +27,24 @@ pub(super) fn write_path(
     rows: &[Observation],
 ) -> Result<(), OutputError> {
     csv::write(&folder.join(format!("{name}.csv")), rows)?;
+    write_pictures(folder, name, &mesh.surface, model, points)
+}
+
+/// Writes `<name>.pvd` with one deformed `surface` for each of `points`.
+pub(super) fn write_pictures(
+    folder: &Path,
+    name: &str,
+    surface: &TriangleMesh,
+    model: &ShellModel,
+    points: &[PathPoint],
+) -> Result<(), OutputError> {
     let mut frames = Vec::with_capacity(points.len());
     for (step, point) in points.iter().enumerate() {
         let file = format!("{name}_{step:03}.vtu");
         let displacement = model.vertex_displacements(&point.x);
         let deformed = TriangleMesh {
-            positions: displaced(&mesh.surface.positions, &displacement),
-            triangles: mesh.surface.triangles.clone(),
+            positions: displaced(&surface.positions, &displacement),
+            triangles: surface.triangles.clone(),
         };
         Picture::new(&deformed)
             .with_point_data("displacement_mm", Values::Vectors(&displacement))

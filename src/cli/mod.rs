@@ -2,14 +2,22 @@
 
 mod design_folder;
 mod evolve;
+mod formula;
 mod material;
 mod mesh;
+mod patch_part;
 mod provenance;
 mod report;
 mod run_file;
 mod run_folder;
 mod scene_file;
+mod shape;
 mod simulate;
+mod simulate_shape;
+mod verify;
+mod verify_cases;
+mod verify_section;
+mod watch_curve;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,6 +25,8 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
 
+use self::verify::Selection;
+use crate::mesh::ShellElement;
 use crate::solve::Backend;
 
 /// Designs pneumatic soft actuators by evolution.
@@ -82,11 +92,56 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Compare with published numbers; the exit code is 1 when one is too far.
+    Verify {
+        #[command(subcommand)]
+        what: Verified,
+    },
     /// Draw the figures of a run and print its front.
     Report {
         /// The folder of a run.
         run: PathBuf,
     },
+}
+
+#[derive(Debug, Subcommand)]
+enum Verified {
+    /// Textbook shells on finer and finer meshes: error, order of convergence, CPU time.
+    Shells {
+        /// Only these cases, the files of verify/shells; again for each.
+        #[arg(long)]
+        case: Vec<String>,
+        /// Only this element.
+        #[arg(long)]
+        element: Option<ElementName>,
+        /// Folder for errors.csv and a figure of each case; must not exist.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Only the meshes on which an error is accepted.
+        #[arg(long)]
+        quick: bool,
+        /// The solver.
+        #[arg(long, default_value = "native")]
+        solver: SolverName,
+    },
+}
+
+/// The names of the shell elements on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ElementName {
+    /// Loop's subdivision surface.
+    Loop,
+    /// Flat triangles with normals averaged across edges.
+    MidEdge,
+}
+
+impl From<ElementName> for ShellElement {
+    fn from(name: ElementName) -> Self {
+        match name {
+            ElementName::Loop => Self::Loop,
+            ElementName::MidEdge => Self::MidEdge,
+        }
+    }
 }
 
 /// The names of the solvers on the command line.
@@ -167,6 +222,11 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
             simulate::run(&given(scene), &given(out), solver.map(Backend::from), json)
         }
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
+        Command::Verify { what: Verified::Shells { case, element, out, quick, solver } } => {
+            let element = element.map(ShellElement::from);
+            let selection = Selection { cases: case, element, quick, solver: solver.into() };
+            verify::run(&selection, out.as_deref())
+        }
         Command::Report { run } => report::run(&run),
     }
 }

@@ -1,19 +1,24 @@
-//! The scene file of `simulate`: one part, its wall, its load, and the planes it may touch.
+//! The scene file of `simulate`: one part, its wall, its load, what holds it, and the planes it may touch.
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::material::MaterialSection;
+use super::material::{MaterialSection, positive};
+use super::patch_part::{
+    EdgeSection, ForceSection, MomentSection, PatchConditions, PatchSection, PinSection,
+    WatchSection, Watched,
+};
 use super::run_file::{
     SolverSection, check_distance, check_mesh, check_normal, check_shell, check_solver,
 };
+use super::verify_section::{MeshSize, VerifySection};
 use crate::field::DesignBox;
 use crate::fitness::LoadSettings;
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
-use crate::solve::Backend;
+use crate::solve::{Backend, PathSettings};
 
 /// A scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,16 +36,32 @@ pub(super) struct SceneFile {
     #[serde(default)]
     pub material: MaterialSection,
     #[serde(default)]
-    pub load: LoadSettings,
+    pub load: LoadSection,
     #[serde(default = "default_solver")]
     pub solver: SolverSection,
     /// Rigid planes; none is listed, none is computed.
     #[serde(default, rename = "plane", skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
+    /// For a patch: its sides; what is not listed is free.
+    #[serde(default, rename = "edge", skip_serializing_if = "Vec::is_empty")]
+    pub edges: Vec<EdgeSection>,
+    #[serde(default, rename = "pin", skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<PinSection>,
+    /// For a patch: dead loads, instead of a pressure.
+    #[serde(default, rename = "force", skip_serializing_if = "Vec::is_empty")]
+    pub forces: Vec<ForceSection>,
+    #[serde(default, rename = "moment", skip_serializing_if = "Vec::is_empty")]
+    pub moments: Vec<MomentSection>,
+    /// What is followed along the path.
+    #[serde(default, rename = "watch", skip_serializing_if = "Vec::is_empty")]
+    pub watches: Vec<WatchSection>,
+    /// What `verify` compares with; `simulate` reads past it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verify: Option<VerifySection>,
 }
 
-/// Where the mid-surface comes from; exactly one of the two, relative to the scene file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Where the mid-surface comes from; exactly one of them, files relative to the scene file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Part {
     /// A network file.
@@ -49,6 +70,40 @@ pub(super) struct Part {
     /// An STL file of a closed mid-surface, mm, z along the part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stl: Option<PathBuf>,
+    /// An open surface given by formulas.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub patch: Option<PatchSection>,
+    /// A closed sphere about the origin, free but for its rigid motions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sphere: Option<SphereSection>,
+}
+
+/// A sphere of triangles: an icosahedron whose triangles are quartered again and again.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SphereSection {
+    /// Of the mid-surface, mm.
+    pub radius: f64,
+    /// How often; 3 makes 1280 triangles.
+    pub subdivisions: usize,
+}
+
+/// What drives the part, and how its path is walked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct LoadSection {
+    /// Largest pressure, MPa: in the chamber, or on a patch towards its normal `x,s cross x,t`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<f64>,
+    /// Whether the answer is that of the linear theory: one linear solve at rest.
+    pub linear: bool,
+    pub path: PathSettings,
+}
+
+impl Default for LoadSection {
+    fn default() -> Self {
+        Self { pressure: None, linear: false, path: LoadSettings::default().path }
+    }
 }
 
 /// A rigid plane.
@@ -68,9 +123,11 @@ fn default_solver() -> SolverSection {
 }
 
 /// What a scene's part is made from.
-pub(super) enum PartSource {
+pub(super) enum PartSource<'a> {
     Network(PathBuf),
     Stl(PathBuf),
+    Patch(&'a PatchSection),
+    Sphere(SphereSection),
 }
 
 impl SceneFile {
@@ -82,54 +139,162 @@ impl SceneFile {
         Ok(scene)
     }
 
-    fn check(&self) -> anyhow::Result<()> {
+    /// Checks everything that can be checked without the files it names.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
         check_solver(self.solver.backend)?;
-        check_shell(&self.wall, &self.load)?;
+        check_shell(&self.wall, &self.load_settings())?;
         check_mesh(self.design_box, &self.mesh)?;
         self.material.material()?;
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
             check_distance("[[plane]] distance", plane.distance, &self.wall)?;
         }
+        self.check_conditions()
+    }
+
+    /// Checks that supports, loads and watches fit the part.
+    fn check_conditions(&self) -> anyhow::Result<()> {
+        let conditions = PatchConditions {
+            edges: &self.edges,
+            pins: &self.pins,
+            forces: &self.forces,
+            moments: &self.moments,
+            watches: &self.watches,
+        };
+        if let Some(patch) = &self.part.patch {
+            patch.check()?;
+            conditions.check(patch)?;
+            ensure!(
+                self.planes.is_empty(),
+                "[[plane]] wants a closed part, but [part.patch] is open"
+            );
+        } else {
+            let listed = [
+                ("edge", self.edges.is_empty()),
+                ("pin", self.pins.is_empty()),
+                ("force", self.forces.is_empty()),
+                ("moment", self.moments.is_empty()),
+            ];
+            if let Some((name, _)) = listed.iter().find(|(_, is_empty)| !is_empty) {
+                bail!("[[{name}]] wants a [part.patch], which alone has sides, `s` and `t`");
+            }
+            for watch in &self.watches {
+                ensure!(
+                    matches!(watch.watched()?, Watched::Whole(_)),
+                    "[[watch]] {}: `at` wants a [part.patch], which alone has `s` and `t`",
+                    watch.name
+                );
+            }
+        }
+        if let Some(sphere) = self.part.sphere {
+            positive("[part.sphere] radius", sphere.radius)?;
+            ensure!(
+                (1..=MOST_SUBDIVISIONS).contains(&sphere.subdivisions),
+                "[part.sphere] subdivisions is {}, but it must lie between 1 and {MOST_SUBDIVISIONS}",
+                sphere.subdivisions
+            );
+        }
+        ensure!(
+            self.part.patch.is_none() || self.has_load(),
+            "a [part.patch] wants a load: [load] pressure, [[force]] or [[moment]]"
+        );
         Ok(())
     }
 
-    /// The part's file, found beside the scene file at `path`.
-    pub(super) fn source(&self, path: &Path) -> anyhow::Result<PartSource> {
+    /// The same scene on another mesh of its patch or sphere.
+    pub(super) fn with_mesh(&self, mesh: MeshSize) -> anyhow::Result<Self> {
+        let mut scene = self.clone();
+        match (mesh, &mut scene.part) {
+            (MeshSize::Cells(cells), Part { patch: Some(patch), .. }) => patch.cells = cells,
+            (MeshSize::Subdivisions(n), Part { sphere: Some(sphere), .. }) => {
+                sphere.subdivisions = n;
+            }
+            _ => bail!(
+                "[verify] mesh {mesh} fits no part here: a patch wants [n, m], a sphere one number"
+            ),
+        }
+        Ok(scene)
+    }
+
+    fn has_load(&self) -> bool {
+        self.load.pressure.is_some() || !self.forces.is_empty() || !self.moments.is_empty()
+    }
+
+    /// The largest load and how its path is walked; the load of a patch is the share of all its loads, 1 at most.
+    pub(super) fn load_settings(&self) -> LoadSettings {
+        let pressure = self.load.pressure.unwrap_or(LoadSettings::default().pressure);
+        let largest = if self.part.patch.is_some() { 1.0 } else { pressure };
+        LoadSettings { pressure: largest, path: self.load.path }
+    }
+
+    /// What the part is made from; files are found beside the scene file at `path`.
+    pub(super) fn source(&self, path: &Path) -> anyhow::Result<PartSource<'_>> {
         let beside = |file: &PathBuf| path.parent().unwrap_or(Path::new("")).join(file);
-        match (&self.part.network, &self.part.stl) {
-            (Some(network), None) => Ok(PartSource::Network(beside(network))),
-            (None, Some(stl)) => Ok(PartSource::Stl(beside(stl))),
+        let Part { network, stl, patch, sphere } = &self.part;
+        let given = [
+            network.as_ref().map(|file| PartSource::Network(beside(file))),
+            stl.as_ref().map(|file| PartSource::Stl(beside(file))),
+            patch.as_ref().map(PartSource::Patch),
+            sphere.map(PartSource::Sphere),
+        ];
+        let mut given = given.into_iter().flatten();
+        let one = "`network`, `stl`, `patch` and `sphere`";
+        match (given.next(), given.next()) {
+            (Some(source), None) => Ok(source),
             (Some(_), Some(_)) => {
-                bail!("{}: [part] has both `network` and `stl`; give one", path.display())
+                bail!("{}: [part] has more than one of {one}; give one", path.display())
             }
-            (None, None) => {
-                bail!("{}: [part] has neither `network` nor `stl`; give one", path.display())
-            }
+            (None, _) => bail!("{}: [part] has none of {one}; give one", path.display()),
         }
     }
 }
 
+/// 6 make some 80 000 triangles.
+const MOST_SUBDIVISIONS: usize = 6;
+
 /// A list has no default to print.
-const PLANE_EXAMPLE: &str = "
+const LIST_EXAMPLES: &str = "
 # A rigid plane on the -x side; as many as needed.
 # [[plane]]
 # normal = [1.0, 0.0, 0.0]
 # distance = 5.0
+
+# Instead of [part] network, an open surface of formulas with dead loads, see verify/shells:
+# [part.patch]
+# s = [0, 40]
+# t = [0, 25]
+# cells = [16, 16]
+# x = \"25*sin(s*pi/180)\"
+# y = \"t\"
+# z = \"25*cos(s*pi/180)\"
+# [[edge]]
+# side = \"t0\"  # or s0, s1, t1
+# hold = [\"x\", \"z\"]  # or clamped = true, or symmetry = \"y\"
+# [[force]]
+# per_area = [0, 0, -90]  # or at with force, or side with per_length
 ";
 
 /// A scene file with every default, as TOML.
 pub(super) fn defaults() -> String {
     let scene = SceneFile {
-        part: Part { network: Some("network.toml".into()), stl: None },
+        part: Part { network: Some("network.toml".into()), ..Part::default() },
         design_box: DesignBox::default(),
         mesh: MeshSettings::default(),
         wall: ShellSettings::default(),
         material: MaterialSection::default(),
-        load: LoadSettings::default(),
+        load: LoadSection {
+            pressure: Some(LoadSettings::default().pressure),
+            ..LoadSection::default()
+        },
         solver: default_solver(),
         planes: Vec::new(),
+        edges: Vec::new(),
+        pins: Vec::new(),
+        forces: Vec::new(),
+        moments: Vec::new(),
+        watches: Vec::new(),
+        verify: None,
     };
     let defaults = toml::to_string(&scene).expect("the defaults are plain numbers and words");
-    defaults + PLANE_EXAMPLE
+    defaults + LIST_EXAMPLES
 }

@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
 use super::design_folder::{write_json, write_path, write_surface};
 use super::provenance::Provenance;
-use super::say;
 use super::scene_file::{PartSource, SceneFile};
+use super::{say, simulate_shape};
 use crate::field::{CappedField, CompiledNetwork};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
@@ -61,12 +61,16 @@ pub(super) fn run(
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
+    let source = scene.source(path)?;
+    if let PartSource::Patch(_) | PartSource::Sphere(_) = source {
+        return simulate_shape::run(path, &scene, &source, out, json);
+    }
     // The meshing's parallel loops stay on this thread's account: `cpu_seconds` is of one thread.
     let mesh = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
         .use_current_thread()
         .build()?
-        .install(|| shell(&scene, path))?;
+        .install(|| shell(&scene, &source))?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;
@@ -76,7 +80,7 @@ pub(super) fn run(
         .iter()
         .map(|plane| {
             let normal = Vec3::from(plane.normal).normalize();
-            PlaneSettings::before(&mesh, normal, plane.distance, scene.load.pressure)
+            PlaneSettings::before(&mesh, normal, plane.distance, scene.load_settings().pressure)
         })
         .collect();
     let mut model = ShellModel::new(&mesh, &scene.material.material()?, &Support::Clamp, &planes)
@@ -123,7 +127,7 @@ pub(super) fn run(
 /// The path of a part that is stable at rest, and what it took.
 fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, SolveTimes)> {
     let mut solver = scene.solver.backend.solver(model.pattern())?;
-    let load = &scene.load;
+    let load = scene.load_settings();
     let walked = follow(model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
     ensure!(
         !walked.points.is_empty(),
@@ -133,10 +137,10 @@ fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, So
     Ok((walked, solver.times()))
 }
 
-fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
-    let made = match scene.source(path)? {
+fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<ShellMesh> {
+    let made = match source {
         PartSource::Network(file) => {
-            let network = read_network(&file)?;
+            let network = read_network(file)?;
             let field = CappedField::new(
                 CompiledNetwork::new(&network),
                 scene.design_box,
@@ -146,7 +150,7 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
                 .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))?
         }
         PartSource::Stl(file) => {
-            let surface = stl::read(&file, stl::WELD_TOLERANCE)?;
+            let surface = stl::read(file, stl::WELD_TOLERANCE)?;
             let name = file.display();
             surface.check_closed_manifold().with_context(|| name.to_string())?;
             let parts = surface.components().iter().max().map_or(0, |&last| last + 1);
@@ -162,6 +166,7 @@ fn shell(scene: &SceneFile, path: &Path) -> anyhow::Result<ShellMesh> {
             ShellMesh::new(surface, &scene.wall)
                 .map_err(|rejected| anyhow!("{name}: {rejected}"))?
         }
+        PartSource::Patch(_) | PartSource::Sphere(_) => bail!("the part is not one of a file"),
     };
     Ok(made)
 }

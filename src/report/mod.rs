@@ -4,12 +4,14 @@
 //! Nothing here reads or writes a file.
 
 mod canvas;
+mod error_figure;
 mod front;
 mod history;
 mod literature;
 mod table;
 
 pub use canvas::png;
+pub use error_figure::{ErrorCurve, ErrorPoint, error_svg};
 pub use front::{FrontPoint, front_svg};
 pub use history::{HistoryPoint, history_svg};
 pub use literature::{Published, Set, Technique, published};

@@ -18,7 +18,7 @@
 
 use super::jet::{Jet, VARIABLES};
 use super::kinematics::{Form, det, shifter, third_form};
-use crate::model::material::{EnergyDensity, Material};
+use crate::model::material::{OfInvariants, Material};
 use crate::model::system::Inadmissible;
 
 /// Abscissae and weights of the three-point Gauss rule on [-1, 1]; 0.6f64.sqrt() to the last digit.
@@ -256,7 +256,7 @@ impl Metric {
 
     /// First and second derivatives by `g` of a function of the invariants.
     #[inline]
-    fn chain(&self, g: Form, f: &EnergyDensity) -> (Form, [Form; 3]) {
+    fn chain(&self, g: Form, f: &OfInvariants) -> (Form, [Form; 3]) {
         let dt = self.inverse;
         let dj = [g[1], g[0], -2.0 * g[2]].map(|v| v * self.inverse_det);
         let [f_t, f_j] = f.first;

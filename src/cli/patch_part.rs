@@ -1,0 +1,380 @@
+//! A part given by formulas, and what stands at its sides and vertices: supports, dead loads, and what is watched.
+
+use anyhow::{Context, bail, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::formula::Formula;
+use super::material::within;
+use crate::math::Vec3;
+use crate::mesh::Side;
+use crate::model::EdgeSupport;
+
+/// `[part.patch]`: the mid-surface `x(s, t), y(s, t), z(s, t)` over a rectangle of `s` and `t`, cut into cells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PatchSection {
+    /// Range of the first parameter.
+    pub s: [f64; 2],
+    /// Range of the second.
+    pub t: [f64; 2],
+    /// Cells along each; two triangles make a cell.
+    pub cells: [usize; 2],
+    /// Formulas of `s`, `t` and `pi`, mm. They hold a few cells beyond the sides too.
+    pub x: String,
+    pub y: String,
+    pub z: String,
+}
+
+/// `[[edge]]`: how a side is held, in exactly one way; a side that is not listed is free.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EdgeSection {
+    pub side: Side,
+    /// Neither moves nor turns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clamped: Option<bool>,
+    /// Lies in a plane of symmetry with this normal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub symmetry: Option<Axis>,
+    /// Does not move along these axes, and turns freely.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold: Option<Vec<Axis>>,
+}
+
+/// `[[pin]]`: a vertex that does not move along some axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PinSection {
+    /// Its `s` and `t`.
+    pub at: [f64; 2],
+    pub hold: Vec<Axis>,
+}
+
+/// `[[force]]`: a dead force, at a vertex, along a side or over the whole surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ForceSection {
+    /// `s` and `t` of a vertex, with `force`, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<[f64; 3]>,
+    /// A side, with `per_length`, N/mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub side: Option<Side>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub per_length: Option<[f64; 3]>,
+    /// MPa, of the surface at rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub per_area: Option<[f64; 3]>,
+}
+
+/// `[[moment]]`: a dead moment along a side.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MomentSection {
+    pub side: Side,
+    /// About the axes x, y, z, N mm/mm.
+    pub per_length: [f64; 3],
+}
+
+/// `[[watch]]`: a number that is followed along the path.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WatchSection {
+    pub name: String,
+    /// `s` and `t` of a vertex, with the `direction` along which its displacement is measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// Or something of the part as a whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measure: Option<Measure>,
+}
+
+/// What can be measured of a part as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Measure {
+    /// Energy stored in the wall, mJ.
+    StoredEnergy,
+    /// Cube root of the enclosed volume over that at rest.
+    VolumeStretch,
+}
+
+/// An axis of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// What a `[[force]]` acts on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Force {
+    /// N at `s`, `t`.
+    Point { at: [f64; 2], force: Vec3 },
+    /// N/mm.
+    Edge { side: Side, per_length: Vec3 },
+    /// MPa.
+    Area { per_area: Vec3 },
+}
+
+/// What a `[[watch]]` follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Watched {
+    /// The displacement of the vertex at `s`, `t` along a unit vector, mm.
+    Displacement {
+        at: [f64; 2],
+        direction: Vec3,
+    },
+    Whole(Measure),
+}
+
+impl PatchSection {
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        for (name, [low, high]) in [("s", self.s), ("t", self.t)] {
+            ensure!(
+                low < high && low.is_finite() && high.is_finite(),
+                "[part.patch] {name} is [{low:?}, {high:?}], but it must be a range, the smaller number first"
+            );
+        }
+        let [n, m] = self.cells;
+        ensure!(
+            (1..=MOST_CELLS).contains(&n) && (1..=MOST_CELLS).contains(&m),
+            "[part.patch] cells is [{n}, {m}], but each must lie between 1 and {MOST_CELLS}"
+        );
+        self.surface().map(drop)
+    }
+
+    /// The mid-surface as a function of `s` and `t`, mm.
+    pub(super) fn surface(&self) -> anyhow::Result<impl Fn(f64, f64) -> Vec3 + use<>> {
+        let formula = |name: &str, text: &str| {
+            Formula::parse(text, &["s", "t"]).with_context(|| format!("[part.patch] {name}"))
+        };
+        let x = formula("x", &self.x)?;
+        let y = formula("y", &self.y)?;
+        let z = formula("z", &self.z)?;
+        Ok(move |s, t| Vec3::new(x.value(&[s, t]), y.value(&[s, t]), z.value(&[s, t])))
+    }
+
+    /// Checks that a vertex of the lattice lies at `s`, `t`.
+    fn check_vertex(&self, what: &str, at: [f64; 2]) -> anyhow::Result<()> {
+        let ranges = [("s", self.s), ("t", self.t)];
+        for ((at, (name, [low, high])), cells) in at.into_iter().zip(ranges).zip(self.cells) {
+            let place = (at - low) / (high - low) * cells as f64;
+            let is_on_lattice = (place - place.round()).abs() < 1e-6;
+            ensure!(
+                is_on_lattice && (0.0..=cells as f64).contains(&place.round()),
+                "{what}: no vertex has {name} = {at}; {cells} cells divide {low} to {high} into steps of {:.6}",
+                (high - low) / cells as f64
+            );
+        }
+        Ok(())
+    }
+}
+
+/// A million cells are some three million unknowns, more than a laptop factorises.
+const MOST_CELLS: usize = 1000;
+
+impl EdgeSection {
+    pub(super) fn support(&self) -> anyhow::Result<EdgeSupport> {
+        match (self.clamped, self.symmetry, &self.hold) {
+            (Some(true), None, None) => Ok(EdgeSupport::Clamped),
+            (None, Some(normal), None) => Ok(EdgeSupport::Symmetry(normal as usize)),
+            (None, None, Some(axes)) => held(axes, "[[edge]] hold").map(EdgeSupport::Held),
+            _ => bail!(
+                "[[edge]] wants exactly one of `clamped = true`, `symmetry = \"x\"` and `hold = [\"x\", \"z\"]`"
+            ),
+        }
+    }
+}
+
+impl PinSection {
+    pub(super) fn held(&self) -> anyhow::Result<[bool; 3]> {
+        held(&self.hold, "[[pin]] hold")
+    }
+}
+
+fn held(axes: &[Axis], what: &str) -> anyhow::Result<[bool; 3]> {
+    ensure!(!axes.is_empty(), "{what} is empty, but it must name an axis");
+    Ok([Axis::X, Axis::Y, Axis::Z].map(|axis| axes.contains(&axis)))
+}
+
+impl ForceSection {
+    pub(super) fn acting(&self) -> anyhow::Result<Force> {
+        let vector = |name, f| load_vector(name, f);
+        match (self.at, self.force, self.side, self.per_length, self.per_area) {
+            (Some(at), Some(force), None, None, None) => {
+                Ok(Force::Point { at, force: vector("[[force]] force", force)? })
+            }
+            (None, None, Some(side), Some(f), None) => {
+                Ok(Force::Edge { side, per_length: vector("[[force]] per_length", f)? })
+            }
+            (None, None, None, None, Some(f)) => {
+                Ok(Force::Area { per_area: vector("[[force]] per_area", f)? })
+            }
+            _ => bail!(
+                "[[force]] wants either `at` with `force`, or `side` with `per_length`, or `per_area`"
+            ),
+        }
+    }
+}
+
+impl MomentSection {
+    pub(super) fn per_length(&self) -> anyhow::Result<Vec3> {
+        load_vector("[[moment]] per_length", self.per_length)
+    }
+}
+
+fn load_vector(what: &str, vector: [f64; 3]) -> anyhow::Result<Vec3> {
+    for component in vector {
+        within(what, component, -1e12, 1e12)?;
+    }
+    Ok(Vec3::from(vector))
+}
+
+impl WatchSection {
+    pub(super) fn watched(&self) -> anyhow::Result<Watched> {
+        match (self.at, self.direction, self.measure) {
+            (Some(at), Some(direction), None) => {
+                let direction = Vec3::from(direction);
+                ensure!(
+                    direction.norm() > 1e-12 && direction.norm().is_finite(),
+                    "[[watch]] {}: direction must be a direction, not {:?}",
+                    self.name,
+                    direction.as_slice()
+                );
+                Ok(Watched::Displacement { at, direction: direction.normalize() })
+            }
+            (None, None, Some(measure)) => Ok(Watched::Whole(measure)),
+            _ => bail!("[[watch]] {}: give either `at` with `direction`, or `measure`", self.name),
+        }
+    }
+}
+
+/// What stands at the sides and vertices of a patch.
+pub(super) struct PatchConditions<'a> {
+    pub edges: &'a [EdgeSection],
+    pub pins: &'a [PinSection],
+    pub forces: &'a [ForceSection],
+    pub moments: &'a [MomentSection],
+    pub watches: &'a [WatchSection],
+}
+
+impl PatchConditions<'_> {
+    /// Checks them one by one, and that every `at` is a vertex of `patch`.
+    pub(super) fn check(&self, patch: &PatchSection) -> anyhow::Result<()> {
+        for (i, edge) in self.edges.iter().enumerate() {
+            edge.support()?;
+            ensure!(
+                self.edges[..i].iter().all(|before| before.side != edge.side),
+                "[[edge]] lists the side {:?} twice",
+                edge.side
+            );
+        }
+        for pin in self.pins {
+            pin.held()?;
+            patch.check_vertex("[[pin]] at", pin.at)?;
+        }
+        for force in self.forces {
+            if let Force::Point { at, .. } = force.acting()? {
+                patch.check_vertex("[[force]] at", at)?;
+            }
+        }
+        for moment in self.moments {
+            moment.per_length()?;
+        }
+        for watch in self.watches {
+            match watch.watched()? {
+                Watched::Displacement { at, .. } => {
+                    patch.check_vertex(&format!("[[watch]] {}: at", watch.name), at)?;
+                }
+                Watched::Whole(Measure::StoredEnergy) => {}
+                Watched::Whole(Measure::VolumeStretch) => {
+                    bail!("[[watch]] {}: a patch encloses no volume", watch.name)
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn patch() -> PatchSection {
+        PatchSection {
+            s: [0.0, 40.0],
+            t: [0.0, 25.0],
+            cells: [4, 5],
+            x: "25*sin(s*pi/180)".to_owned(),
+            y: "t".to_owned(),
+            z: "25*cos(s*pi/180)".to_owned(),
+        }
+    }
+
+    #[test]
+    fn surface_is_what_the_formulas_say() {
+        let surface = patch().surface().unwrap();
+        let exact = Vec3::new(12.5, 7.0, 25.0 * 30.0_f64.to_radians().cos());
+        // Rounding of a few operations on numbers of size 25.
+        assert!((surface(30.0, 7.0) - exact).norm() < 1e-13);
+    }
+
+    #[test]
+    fn wrong_patches_are_refused_in_one_line() {
+        let error = |change: &dyn Fn(&mut PatchSection)| {
+            let mut patch = patch();
+            change(&mut patch);
+            format!("{:#}", patch.check().unwrap_err())
+        };
+        assert_eq!(
+            error(&|p| p.x = "sin(u)".to_owned()),
+            "[part.patch] x: `sin(u)` names `u`, but a formula here knows `s`, `t`, `pi`"
+        );
+        assert_eq!(
+            error(&|p| p.s = [1.0, 1.0]),
+            "[part.patch] s is [1.0, 1.0], but it must be a range, the smaller number first"
+        );
+        assert!(error(&|p| p.cells = [0, 4]).contains("cells is [0, 4]"));
+    }
+
+    #[test]
+    fn places_between_vertices_are_refused() {
+        let patch = patch();
+        assert!(patch.check_vertex("at", [30.0, 25.0]).is_ok());
+        let error = |at| patch.check_vertex("[[force]] at", at).unwrap_err().to_string();
+        assert_eq!(
+            error([35.0, 0.0]),
+            "[[force]] at: no vertex has s = 35; 4 cells divide 0 to 40 into steps of 10.000000"
+        );
+        assert!(error([40.0, 30.0]).contains("no vertex has t = 30"));
+    }
+
+    #[test]
+    fn half_given_conditions_are_refused() {
+        let edge = |text: &str| toml::from_str::<EdgeSection>(text).unwrap().support();
+        assert_eq!(edge("side = \"s0\"\nsymmetry = \"y\"").unwrap(), EdgeSupport::Symmetry(1));
+        let held = EdgeSupport::Held([true, false, true]);
+        assert_eq!(edge("side = \"t1\"\nhold = [\"x\", \"z\"]").unwrap(), held);
+        assert!(edge("side = \"s0\"").is_err());
+        assert!(edge("side = \"s0\"\nclamped = true\nsymmetry = \"y\"").is_err());
+        assert!(edge("side = \"s0\"\nhold = []").is_err());
+        let force = |text: &str| toml::from_str::<ForceSection>(text).unwrap().acting();
+        assert_eq!(
+            force("per_area = [0, 0, -90]").unwrap(),
+            Force::Area { per_area: Vec3::new(0.0, 0.0, -90.0) }
+        );
+        assert!(force("at = [0, 0]").is_err());
+        assert!(force("at = [0, 0]\nper_area = [0, 0, -90]").is_err());
+        let watch = |text: &str| toml::from_str::<WatchSection>(text).unwrap().watched();
+        assert!(watch("name = \"w\"\nat = [0, 0]\ndirection = [0, 0, 0]").is_err());
+        assert!(watch("name = \"w\"\nat = [0, 0]\nmeasure = \"stored-energy\"").is_err());
+        assert!(watch("name = \"w\"\nmeasure = \"stored-energy\"").is_ok());
+    }
+}

@@ -1,0 +1,160 @@
+//! `simulate` on a patch or a sphere: its path, its watches, its pictures.
+
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use serde::Serialize;
+
+use super::design_folder::{write_json, write_pictures};
+use super::provenance::Provenance;
+use super::say;
+use super::scene_file::{PartSource, SceneFile};
+use super::shape::{Measured, Shape};
+use crate::io::{OutputFolder, atomic, csv, stl};
+use crate::math::cpu_seconds;
+use crate::solve::{Backend, Ending};
+
+/// A row of `path.csv`.
+#[derive(Debug, Serialize)]
+struct Row {
+    step: usize,
+    /// Of a patch: the share of its loads; of a sphere: the pressure, MPa.
+    load: f64,
+    /// mJ.
+    work: f64,
+    stored_energy: f64,
+    /// mm.
+    max_displacement: f64,
+    newton_iterations: usize,
+    /// Iterations among them with an indefinite tangent.
+    indefinite_iterations: usize,
+}
+
+/// A row of `watches.csv`.
+#[derive(Debug, Serialize)]
+struct WatchRow<'a> {
+    watch: &'a str,
+    step: usize,
+    /// Share of the whole load.
+    load: f64,
+    value: f64,
+}
+
+/// `summary.json`: the last state of the path, and what it took.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    load: f64,
+    watches: Vec<Watch<'a>>,
+    stored_energy: f64,
+    max_displacement: f64,
+    ending: Ending,
+    linear: bool,
+    newton_iterations: usize,
+    unknowns: usize,
+    solver: Backend,
+    cpu_seconds: f64,
+    provenance: Provenance,
+}
+
+#[derive(Debug, Serialize)]
+struct Watch<'a> {
+    name: &'a str,
+    value: f64,
+}
+
+/// Runs the `scene` read from `path` and writes its results into the new folder `out`.
+pub(super) fn run(
+    path: &Path,
+    scene: &SceneFile,
+    source: &PartSource<'_>,
+    out: &Path,
+    json: bool,
+) -> anyhow::Result<()> {
+    let start = cpu_seconds();
+    let named = || path.display().to_string();
+    let mut shape = Shape::new(scene, source).with_context(named)?;
+    let Measured { walked, unknowns, cpu_seconds, curves, .. } =
+        shape.measure(scene, scene.solver.backend, start).with_context(named)?;
+    let largest_of = |x: &[f64]| {
+        let sizes = shape.model.vertex_displacements(x).into_iter().map(|u| u.norm());
+        sizes.fold(0.0, f64::max)
+    };
+    let rows: Vec<Row> = walked
+        .points
+        .iter()
+        .enumerate()
+        .map(|(step, point)| Row {
+            step,
+            load: point.load,
+            work: point.work,
+            stored_energy: point.stored_energy,
+            max_displacement: largest_of(&point.x),
+            newton_iterations: point.newton_iterations,
+            indefinite_iterations: point.shifted,
+        })
+        .collect();
+    ensure!(
+        !rows.is_empty(),
+        "{}: the part is not stable at rest ({}); is it held against all rigid motions?",
+        path.display(),
+        walked.ending.name().replace('_', " ")
+    );
+    let last = rows.last().expect("it has the start at least");
+    let watches = || scene.watches.iter().map(|watch| watch.name.as_str()).zip(&curves);
+    let watch_rows: Vec<WatchRow<'_>> = watches()
+        .flat_map(|(watch, curve)| {
+            let points = curve.points.iter().enumerate();
+            points.map(move |(step, at)| WatchRow { watch, step, load: at.load, value: at.value })
+        })
+        .collect();
+    let final_values = watches()
+        .filter_map(|(name, curve)| Some(Watch { name, value: curve.points.last()?.value }))
+        .collect();
+    let summary = Summary {
+        load: last.load,
+        watches: final_values,
+        stored_energy: last.stored_energy,
+        max_displacement: last.max_displacement,
+        ending: walked.ending,
+        linear: scene.load.linear,
+        newton_iterations: rows.iter().map(|row| row.newton_iterations).sum(),
+        unknowns,
+        solver: scene.solver.backend,
+        cpu_seconds,
+        provenance: Provenance::of_this_process(),
+    };
+    let folder = OutputFolder::create_new(out)?;
+    atomic::write(&folder.file("scene.toml"), toml::to_string(scene)?.as_bytes())?;
+    stl::write(&folder.file("surface.stl"), &shape.surface)?;
+    csv::write(&folder.file("path.csv"), &rows)?;
+    csv::write(&folder.file("watches.csv"), &watch_rows)?;
+    write_pictures(folder.path(), "path", &shape.surface, &shape.model, &walked.points)?;
+    write_json(&folder.file("summary.json"), &summary)?;
+    say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });
+    Ok(())
+}
+
+impl Summary<'_> {
+    fn in_words(&self, out: &Path) -> String {
+        let watches: Vec<String> = self
+            .watches
+            .iter()
+            .map(|watch| format!("{} = {:.6e}", watch.name, watch.value))
+            .collect();
+        format!(
+            "{} at load {:.4}: largest displacement {:.4e} mm, stored energy {:.4e} mJ{}{}\n\
+             {} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
+            self.ending.name().replace('_', " "),
+            self.load,
+            self.max_displacement,
+            self.stored_energy,
+            if watches.is_empty() { "" } else { ", " },
+            watches.join(", "),
+            self.unknowns,
+            self.newton_iterations,
+            self.cpu_seconds,
+            self.solver,
+            out.display()
+        )
+    }
+}

@@ -1,0 +1,347 @@
+//! `verify shells`: textbook shells against their numbers, on finer and finer meshes.
+//!
+//! The error of a run is the largest distance between a watch and its reference over the tabulated loads, in % of the
+//! largest reference value; the worst watch speaks for the run. The order is that of the error in the mesh's width,
+//! which is taken as one over the square root of the unknowns.
+
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+use serde::Serialize;
+
+use super::run_file::check_solver;
+use super::say;
+use super::shape::{Measured, Shape};
+use super::verify_cases::{Case, case, names};
+use super::verify_section::{MeshSize, VerifySection};
+use super::watch_curve::Deviation;
+use crate::io::{OutputFolder, atomic, csv};
+use crate::math::cpu_seconds;
+use crate::mesh::ShellElement;
+use crate::report::{ErrorCurve, ErrorPoint, error_svg, png};
+use crate::solve::Backend;
+
+/// What to run.
+pub(super) struct Selection {
+    /// All where empty.
+    pub cases: Vec<String>,
+    /// Both where none.
+    pub element: Option<ShellElement>,
+    /// Only the meshes on which an error is accepted.
+    pub quick: bool,
+    pub solver: Backend,
+}
+
+/// A row of `errors.csv`: one watch of one run.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    case: &'static str,
+    element: &'static str,
+    mesh: String,
+    unknowns: usize,
+    cpu_seconds: f64,
+    newton_iterations: usize,
+    watch: String,
+    /// Share of the load at which the error is largest.
+    load: f64,
+    measured: f64,
+    reference: f64,
+    /// Of the largest reference value, %.
+    error: f64,
+    /// Of the reference value at the same load, %.
+    pointwise_error: f64,
+    /// Of the run's worst watch, from the mesh before.
+    order: Option<f64>,
+    /// %, on the mesh where it counts.
+    accepted: Option<f64>,
+    verdict: &'static str,
+    ending: &'static str,
+}
+
+/// Runs the selected cases, prints their table and writes their files into the new folder `out`.
+///
+/// # Errors
+/// When a case misses what is accepted of it.
+pub(super) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
+    check_solver(selection.solver)?;
+    out.map(OutputFolder::check_new).transpose()?;
+    let chosen: Vec<&str> = if selection.cases.is_empty() {
+        names().collect()
+    } else {
+        selection.cases.iter().map(String::as_str).collect()
+    };
+    let cases = chosen.into_iter().map(case).collect::<anyhow::Result<Vec<_>>>()?;
+    let folder = out.map(OutputFolder::create_new).transpose()?;
+    say(&heading());
+    let mut rows = Vec::new();
+    for case in &cases {
+        let curves = run_case(case, selection, &mut rows)?;
+        if let Some(folder) = &folder {
+            // After every case, so that an interrupted run leaves what it has found.
+            csv::write(&folder.file("errors.csv"), &rows)?;
+            let svg = error_svg(case.title, &curves);
+            atomic::write(&folder.file(&format!("{}.svg", case.name)), svg.as_bytes())?;
+            atomic::write(&folder.file(&format!("{}.png", case.name)), &png(&svg, 2.0))?;
+        }
+    }
+    let judged = |verdict: &str| {
+        let mut runs: Vec<_> = rows
+            .iter()
+            .filter(|row| row.verdict == verdict)
+            .map(|row| format!("{} with {}", row.case, row.element))
+            .collect();
+        runs.dedup();
+        runs
+    };
+    let (near, far) = (judged(OK), judged(TOO_FAR));
+    say(&format!("{} within what is accepted, {} too far", near.len(), far.len()));
+    ensure!(far.is_empty(), "too far from the reference: {}", far.join(", "));
+    Ok(())
+}
+
+/// Runs one case with every element; adds its rows and returns its curves.
+fn run_case(
+    case: &Case,
+    selection: &Selection,
+    rows: &mut Vec<Row>,
+) -> anyhow::Result<Vec<ErrorCurve>> {
+    let wanted = |element| selection.element.is_none_or(|only| only == element);
+    let mut curves = Vec::new();
+    for accept in case.verify.accept.iter().filter(|accept| wanted(accept.element)) {
+        let mut runs: Vec<ErrorPoint> = Vec::new();
+        for &mesh in &case.verify.meshes {
+            let counts = accept.concerns(accept.element, mesh);
+            if selection.quick && !counts {
+                continue;
+            }
+            let measured = measure(case, accept.element, mesh, selection.solver);
+            let (measured, mut deviations) = match measured {
+                Ok(measured) => {
+                    let deviations = deviations(case, &measured);
+                    (Some(measured), deviations)
+                }
+                Err(error) => (None, vec![missed("", 0.0, f64::NAN, format!("{error:#}"))]),
+            };
+            deviations.sort_by(|a, b| b.deviation.error.total_cmp(&a.deviation.error));
+            let worst = deviations.first().context("[verify] compares nothing")?;
+            let run = ErrorPoint {
+                cpu_seconds: measured.as_ref().map_or(0.0, |m| m.cpu_seconds),
+                unknowns: measured.as_ref().map_or(0, |m| m.unknowns),
+                error: worst.deviation.error,
+            };
+            let order = runs.last().and_then(|before| order(before, &run));
+            let accepted = counts.then_some(accept.error);
+            let verdict = match accepted {
+                Some(accepted) if run.error <= accepted => OK,
+                Some(_) => TOO_FAR,
+                None => "",
+            };
+            let common = |compared: &Compared| Row {
+                case: case.name,
+                element: element_name(accept.element),
+                mesh: mesh.to_string(),
+                unknowns: run.unknowns,
+                cpu_seconds: run.cpu_seconds,
+                newton_iterations: measured.as_ref().map_or(0, iterations),
+                watch: compared.watch.clone(),
+                load: compared.deviation.load,
+                measured: compared.deviation.measured,
+                reference: compared.deviation.reference,
+                error: compared.deviation.error,
+                pointwise_error: compared.deviation.pointwise_error,
+                order,
+                accepted,
+                verdict,
+                ending: measured.as_ref().map_or("failed", |m| m.walked.ending.name()),
+            };
+            say(&line(&common(worst), worst.remark.as_deref()));
+            rows.extend(deviations.iter().map(common));
+            runs.push(run);
+        }
+        let accepted = Some(accept.error);
+        curves.push(ErrorCurve {
+            element: element_name(accept.element).to_owned(),
+            runs,
+            accepted,
+        });
+    }
+    Ok(curves)
+}
+
+/// One watch of a run against its reference.
+struct Compared {
+    watch: String,
+    deviation: Deviation,
+    /// Why there is no number.
+    remark: Option<String>,
+}
+
+fn missed(watch: &str, load: f64, reference: f64, remark: String) -> Compared {
+    let nothing = f64::NAN;
+    let deviation = Deviation {
+        error: f64::INFINITY,
+        load,
+        measured: nothing,
+        reference,
+        pointwise_error: f64::INFINITY,
+    };
+    Compared { watch: watch.to_owned(), deviation, remark: Some(remark) }
+}
+
+fn measure(
+    case: &Case,
+    element: ShellElement,
+    mesh: MeshSize,
+    solver: Backend,
+) -> anyhow::Result<Measured> {
+    let mut scene = case.scene.with_mesh(mesh)?;
+    scene.wall.element = element;
+    let start = cpu_seconds();
+    let source = scene.source(Path::new(case.name))?;
+    let mut shape = Shape::new(&scene, &source)?;
+    let measured = shape.measure(&scene, solver, start)?;
+    if measured.walked.points.is_empty() {
+        bail!("not stable at rest");
+    }
+    Ok(measured)
+}
+
+/// Every reference of the case against what was measured.
+fn deviations(case: &Case, measured: &Measured) -> Vec<Compared> {
+    let VerifySection { reference, limit_load, .. } = &case.verify;
+    let mut compared: Vec<Compared> = reference
+        .iter()
+        .filter_map(|reference| {
+            let watch =
+                case.scene.watches.iter().position(|watch| watch.name == reference.watch)?;
+            Some(match measured.curves[watch].deviation(reference) {
+                Ok(deviation) => {
+                    Compared { watch: reference.watch.clone(), deviation, remark: None }
+                }
+                Err(load) => {
+                    let ending = measured.walked.ending.name().replace('_', " ");
+                    let remark = format!("{ending} before load {load}");
+                    missed(&reference.watch, load, f64::NAN, remark)
+                }
+            })
+        })
+        .collect();
+    if let &Some(limit) = limit_load {
+        let error = 100.0 * (measured.limit_load - limit).abs() / limit;
+        compared.push(Compared {
+            watch: "limit load".to_owned(),
+            deviation: Deviation {
+                error,
+                load: limit,
+                measured: measured.limit_load,
+                reference: limit,
+                pointwise_error: error,
+            },
+            remark: None,
+        });
+    }
+    compared
+}
+
+/// `e ~ h^order`, `h ~ unknowns^(-1/2)`.
+fn order(coarse: &ErrorPoint, fine: &ErrorPoint) -> Option<f64> {
+    let order = 2.0 * (coarse.error / fine.error).ln()
+        / (fine.unknowns as f64 / coarse.unknowns as f64).ln();
+    order.is_finite().then_some(order)
+}
+
+fn iterations(measured: &Measured) -> usize {
+    measured.walked.points.iter().map(|point| point.newton_iterations).sum()
+}
+
+const OK: &str = "ok";
+const TOO_FAR: &str = "too far";
+
+fn element_name(element: ShellElement) -> &'static str {
+    match element {
+        ShellElement::Loop => "loop",
+        ShellElement::MidEdge => "mid-edge",
+    }
+}
+
+fn heading() -> String {
+    format!(
+        "{:<31} {:<8} {:>7} {:>8} {:>8} {:<10} {:>11} {:>11} {:>8} {:>6} {:>9} {}",
+        "case",
+        "element",
+        "mesh",
+        "unknowns",
+        "CPU s",
+        "worst",
+        "measured",
+        "reference",
+        "error %",
+        "order",
+        "accepted",
+        "verdict"
+    )
+}
+
+fn line(row: &Row, remark: Option<&str>) -> String {
+    let number = |x: f64| if x.is_finite() { format!("{x:.4e}") } else { "-".to_owned() };
+    let order = row.order.map_or_else(|| "-".to_owned(), |order| format!("{order:.2}"));
+    let accepted = row.accepted.map_or_else(String::new, |accepted| format!("{accepted} %"));
+    let error = if row.error.is_finite() { format!("{:.3}", row.error) } else { "-".to_owned() };
+    format!(
+        "{:<31} {:<8} {:>7} {:>8} {:>8.2} {:<10} {:>11} {:>11} {error:>8} {order:>6} {accepted:>9} {}{}",
+        row.case,
+        row.element,
+        row.mesh,
+        row.unknowns,
+        row.cpu_seconds,
+        row.watch,
+        number(row.measured),
+        number(row.reference),
+        row.verdict,
+        remark.map_or_else(String::new, |remark| format!(" ({remark})"))
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_is_that_of_the_mesh_width() {
+        let run = |unknowns, error| ErrorPoint { cpu_seconds: 1.0, unknowns, error };
+        // Four times the unknowns, half the width, an eighth of the error.
+        assert!((order(&run(300, 8.0), &run(1200, 1.0)).unwrap() - 3.0).abs() < 1e-12);
+        assert_eq!(order(&run(300, f64::INFINITY), &run(1200, 1.0)), None);
+        assert_eq!(order(&run(300, 8.0), &run(300, 1.0)), None);
+    }
+
+    #[test]
+    fn columns_stand_below_their_heads() {
+        let row = Row {
+            case: "twisted_beam_thick_out_of_plane",
+            element: "mid-edge",
+            mesh: "16x16".to_owned(),
+            unknowns: 12_675,
+            cpu_seconds: 1.234,
+            newton_iterations: 0,
+            watch: "w".to_owned(),
+            load: 1.0,
+            measured: 0.3001,
+            reference: 0.3006,
+            error: 0.166,
+            pointwise_error: 0.166,
+            order: Some(2.01),
+            accepted: Some(1.0),
+            verdict: OK,
+            ending: "reached",
+        };
+        let (head, line) = (heading(), line(&row, None));
+        for (name, cell) in
+            [("CPU s", "1.23"), ("error %", "0.166"), ("order", "2.01"), ("accepted", "1 %")]
+        {
+            let end = |text: &str, part: &str| text.find(part).unwrap() + part.len();
+            assert_eq!(end(&head, name), end(&line, cell), "{name}");
+        }
+        assert_eq!(head.find("verdict"), line.find("ok"));
+    }
+}

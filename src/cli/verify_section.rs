@@ -1,0 +1,119 @@
+//! `[verify]` of a scene file: what its watches are compared with, on which meshes, and how near they must come.
+
+use std::fmt;
+
+use anyhow::{Context, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::material::positive;
+use super::scene_file::SceneFile;
+use crate::mesh::ShellElement;
+
+/// The references of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct VerifySection {
+    /// Where the numbers come from.
+    pub source: String,
+    /// The share of the load at which the path has its first limit point.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit_load: Option<f64>,
+    /// The ladder of meshes, the coarsest first, instead of the part's own.
+    pub meshes: Vec<MeshSize>,
+    /// For each element that is run: the mesh on which its error must be small enough.
+    pub accept: Vec<Accepted>,
+    pub reference: Vec<Reference>,
+}
+
+/// How fine a mesh is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub(super) enum MeshSize {
+    /// Of a patch.
+    Cells([usize; 2]),
+    /// Of a sphere.
+    Subdivisions(usize),
+}
+
+/// The error that is accepted of an element on one mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Accepted {
+    pub element: ShellElement,
+    pub mesh: MeshSize,
+    /// Of the largest reference value, %.
+    pub error: f64,
+}
+
+/// What a watch should show.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Reference {
+    pub watch: String,
+    /// Shares of the whole load, increasing; the whole where none is given.
+    #[serde(default = "whole_load")]
+    pub load: Vec<f64>,
+    pub value: Vec<f64>,
+}
+
+fn whole_load() -> Vec<f64> {
+    vec![1.0]
+}
+
+impl fmt::Display for MeshSize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cells([n, m]) => f.pad(&format!("{n}x{m}")),
+            Self::Subdivisions(n) => f.pad(&n.to_string()),
+        }
+    }
+}
+
+impl Accepted {
+    /// Whether it speaks of this run.
+    pub(super) fn concerns(&self, element: ShellElement, mesh: MeshSize) -> bool {
+        self.element == element && self.mesh == mesh
+    }
+}
+
+impl VerifySection {
+    /// Checks it against the scene it belongs to, on every mesh.
+    pub(super) fn check(&self, scene: &SceneFile) -> anyhow::Result<()> {
+        ensure!(!self.meshes.is_empty(), "[verify] meshes is empty");
+        for &mesh in &self.meshes {
+            let refined = scene.with_mesh(mesh)?;
+            refined.check().with_context(|| format!("[verify] mesh {mesh}"))?;
+        }
+        for accepted in &self.accept {
+            positive("[[verify.accept]] error", accepted.error)?;
+            ensure!(
+                self.meshes.contains(&accepted.mesh),
+                "[[verify.accept]] mesh {} is not one of [verify] meshes",
+                accepted.mesh
+            );
+        }
+        for Reference { watch, load, value } in &self.reference {
+            let what = format!("[[verify.reference]] {watch}");
+            ensure!(
+                scene.watches.iter().any(|watched| watched.name == *watch),
+                "{what}: no [[watch]] has this name"
+            );
+            ensure!(
+                load.len() == value.len() && !load.is_empty(),
+                "{what}: {} loads, but {} values",
+                load.len(),
+                value.len()
+            );
+            ensure!(load.is_sorted_by(|a, b| a < b), "{what}: the loads do not increase");
+            ensure!(
+                load.iter().all(|&load| load > 0.0 && load <= 1.0),
+                "{what}: a load is not a share between 0 and 1"
+            );
+            ensure!(
+                value.iter().all(|v| v.is_finite()) && value.iter().any(|v| *v != 0.0),
+                "{what}: the values are not all numbers, or all zero"
+            );
+        }
+        Ok(())
+    }
+}
