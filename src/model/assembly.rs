@@ -2,10 +2,24 @@
 //!
 //! Three unknowns for each node; the tangent's lower triangle by columns in 3x3 blocks. A column of blocks is
 //! stored as three columns of equal length, so that the place of a block follows from two numbers.
+//!
+//! Where the current `rayon` pool has several threads, stencils are evaluated side by side, and then every thread adds
+//! to the nodes that are its own. Each entry is a sum in the order of the stencils either way: its bits are the same
+//! for any number of threads.
+
+use nalgebra::Matrix3;
+use rayon::prelude::*;
 
 use super::local::{LocalDerivatives, Term};
 use super::system::{Inadmissible, SparsityPattern};
 use crate::math::Vec3;
+
+/// Stencils that are evaluated before they are added up: 6 MB of derivatives for regular ones.
+const CHUNK: usize = 1024;
+/// Fewer stencils than this are not worth waking a thread.
+const LEAST_FOR_A_THREAD: usize = 32;
+/// Ranges of nodes for each thread: neighbours in a chunk are neighbours in the mesh, and their cost is uneven.
+const RANGES_OF_A_THREAD: usize = 8;
 
 /// The sparsity of a set of terms, and where each stencil's blocks go.
 #[derive(Clone, Debug)]
@@ -14,8 +28,25 @@ pub struct Assembler {
     /// Start of each node's block column in `block_rows`, [nodes + 1].
     block_starts: Vec<u32>,
     block_rows: Vec<u32>,
+    /// Of the stencils at hand: one, or a chunk where there are several threads.
+    evaluations: Vec<Evaluation>,
+}
+
+/// One stencil's part of the sums.
+#[derive(Clone, Debug, Default)]
+struct Evaluation {
+    x: Vec<Vec3>,
     local: LocalDerivatives,
-    gathered: Vec<Vec3>,
+    /// None where the stencil is not active.
+    energy: Option<Result<f64, Inadmissible>>,
+}
+
+/// What is asked of a stencil.
+#[derive(Clone, Copy, PartialEq)]
+enum Order {
+    Energy,
+    Gradient,
+    Hessian,
 }
 
 /// For each stencil of a term, the position of its lower blocks within their block columns.
@@ -27,9 +58,7 @@ impl Assembler {
     #[must_use]
     pub fn new(nodes: usize, terms: &[&dyn Term]) -> Self {
         let mut columns: Vec<Vec<u32>> = (0..nodes as u32).map(|v| vec![v]).collect();
-        let mut largest = 0;
         for stencil in terms.iter().flat_map(|term| term.stencils()) {
-            largest = largest.max(stencil.len());
             for (j, &column) in stencil.iter().enumerate() {
                 columns[column as usize].extend_from_slice(&stencil[j..]);
             }
@@ -52,8 +81,7 @@ impl Assembler {
             pattern: SparsityPattern { column_starts, row_indices },
             block_starts,
             block_rows,
-            local: LocalDerivatives::with_capacity(largest),
-            gathered: vec![Vec3::zeros(); largest],
+            evaluations: vec![Evaluation::default()],
         }
     }
 
@@ -86,13 +114,7 @@ impl Assembler {
     /// # Errors
     /// [`Inadmissible`] where a stencil's energy is not defined.
     pub fn energy(&mut self, term: &dyn Term, positions: &[Vec3]) -> Result<f64, Inadmissible> {
-        let mut energy = 0.0;
-        for (s, stencil) in term.stencils().iter().enumerate() {
-            if term.is_active(s, positions) {
-                energy += term.energy(s, gather(&mut self.gathered, stencil, positions))?;
-            }
-        }
-        Ok(energy)
+        self.for_each_chunk(term, positions, Order::Energy, |_, _, _| ())
     }
 
     /// Adds the gradient of `term` to `residual`, and its Hessian to `tangent` where given; returns its energy.
@@ -107,45 +129,68 @@ impl Assembler {
         residual: &mut [f64],
         mut tangent: Option<&mut [f64]>,
     ) -> Result<f64, Inadmissible> {
-        let mut energy = 0.0;
-        for (s, stencil) in term.stencils().iter().enumerate() {
-            if !term.is_active(s, positions) {
-                continue;
+        let order = if tangent.is_some() { Order::Hessian } else { Order::Gradient };
+        self.for_each_chunk(term, positions, order, |assembler, first, evaluations| {
+            let chunk = Chunk {
+                starts: &assembler.pattern.column_starts,
+                stencils: &term.stencils()[first..],
+                slots: &slots.0[first..],
+                evaluations,
+            };
+            let target = Target {
+                first_node: 0,
+                residual: &mut *residual,
+                tangent: tangent.as_deref_mut(),
+            };
+            if evaluations.len() == 1 {
+                chunk.add_to(target);
+            } else {
+                let nodes = assembler.block_starts.len() - 1;
+                let least = nodes / (RANGES_OF_A_THREAD * rayon::current_num_threads());
+                chunk.add_in_parallel(target, least.max(1));
             }
-            self.local.reset(stencil.len(), tangent.is_some());
-            let x = gather(&mut self.gathered, stencil, positions);
-            energy += term.derivatives(s, x, &mut self.local)?;
-            for (&node, gradient) in stencil.iter().zip(self.local.gradient()) {
-                let start = 3 * node as usize;
-                for (sum, value) in residual[start..start + 3].iter_mut().zip(gradient) {
-                    *sum += value;
-                }
-            }
-            if let Some(tangent) = tangent.as_deref_mut() {
-                self.scatter(stencil, &slots.0[s], tangent);
-            }
-        }
-        Ok(energy)
+        })
     }
 
-    fn scatter(&self, stencil: &[u32], slots: &[u32], tangent: &mut [f64]) {
-        let mut slots = slots.iter();
-        for (j, &node) in stencil.iter().enumerate() {
-            let column = 3 * node as usize;
-            let starts: [usize; 3] =
-                std::array::from_fn(|c| self.pattern.column_starts[column + c] as usize);
-            for (i, &slot) in (j..stencil.len()).zip(&mut slots) {
-                let block = self.local.block(i, j);
-                for (c, start) in starts.iter().enumerate() {
-                    let entry = start + 3 * slot as usize;
-                    for (sum, value) in
-                        tangent[entry..entry + 3].iter_mut().zip(block.column(c).iter())
-                    {
-                        *sum += value;
-                    }
-                }
+    /// Evaluates the stencils of `term` chunk by chunk, in order, and calls `finish` with each chunk's first stencil and
+    /// its evaluations; returns the sum of the energies.
+    fn for_each_chunk(
+        &mut self,
+        term: &dyn Term,
+        positions: &[Vec3],
+        order: Order,
+        mut finish: impl FnMut(&Self, usize, &[Evaluation]),
+    ) -> Result<f64, Inadmissible> {
+        let stencils = term.stencils();
+        let alone =
+            stencils.len() < 2 * LEAST_FOR_A_THREAD || rayon::current_num_threads() == 1;
+        let size = if alone { 1 } else { CHUNK.min(stencils.len()) };
+        let mut evaluations = std::mem::take(&mut self.evaluations);
+        evaluations.resize_with(size.max(evaluations.len()), Evaluation::default);
+        let mut sum = Ok(0.0);
+        for first in (0..stencils.len()).step_by(size) {
+            let chunk = &mut evaluations[..size.min(stencils.len() - first)];
+            let evaluate = |(k, evaluation): (usize, &mut Evaluation)| {
+                evaluation.evaluate(term, first + k, positions, order);
+            };
+            if alone {
+                evaluate((0, &mut chunk[0]));
+            } else {
+                chunk
+                    .par_iter_mut()
+                    .enumerate()
+                    .with_min_len(LEAST_FOR_A_THREAD)
+                    .for_each(evaluate);
             }
+            let energies = chunk.iter().filter_map(|evaluation| evaluation.energy);
+            sum = energies.fold(sum, |sum, energy| Ok(sum? + energy?));
+            if sum.is_err() {
+                break;
+            }
+            finish(self, first, chunk);
         }
+        self.evaluations = evaluations;
+        sum
     }
 
     fn block_range(&self, column: u32) -> std::ops::Range<usize> {
@@ -154,9 +199,111 @@ impl Assembler {
     }
 }
 
-fn gather<'a>(gathered: &'a mut [Vec3], stencil: &[u32], positions: &[Vec3]) -> &'a [Vec3] {
-    for (x, &node) in gathered.iter_mut().zip(stencil) {
-        *x = positions[node as usize];
+impl Evaluation {
+    fn evaluate(&mut self, term: &dyn Term, s: usize, positions: &[Vec3], order: Order) {
+        self.energy = term.is_active(s, positions).then(|| {
+            let stencil = &term.stencils()[s];
+            self.x.clear();
+            self.x.extend(stencil.iter().map(|&node| positions[node as usize]));
+            if order == Order::Energy {
+                return term.energy(s, &self.x);
+            }
+            self.local.reset(stencil.len(), order == Order::Hessian);
+            term.derivatives(s, &self.x, &mut self.local)
+        });
     }
-    &gathered[..stencil.len()]
+}
+
+/// Evaluated stencils.
+#[derive(Clone, Copy)]
+struct Chunk<'a> {
+    starts: &'a [u32],
+    stencils: &'a [Vec<u32>],
+    slots: &'a [Vec<u32>],
+    evaluations: &'a [Evaluation],
+}
+
+/// The unknowns of successive nodes, and their columns.
+struct Target<'a> {
+    first_node: usize,
+    residual: &'a mut [f64],
+    tangent: Option<&'a mut [f64]>,
+}
+
+impl Chunk<'_> {
+    /// Adds what concerns the target's nodes; halves of it side by side while it has more than `least` nodes.
+    fn add_in_parallel(self, target: Target<'_>, least: usize) {
+        let nodes = target.residual.len() / 3;
+        if nodes <= least {
+            return self.add_to(target);
+        }
+        let middle = target.first_node + nodes / 2;
+        let (before, after) = target.split(middle, self.starts);
+        rayon::join(
+            || self.add_in_parallel(before, least),
+            || self.add_in_parallel(after, least),
+        );
+    }
+
+    fn add_to(self, mut target: Target<'_>) {
+        for (evaluation, (stencil, slots)) in
+            self.evaluations.iter().zip(self.stencils.iter().zip(self.slots))
+        {
+            if evaluation.energy.is_some() {
+                target.add(&evaluation.local, stencil, slots, self.starts);
+            }
+        }
+    }
+}
+
+impl<'a> Target<'a> {
+    /// The nodes before `middle`, and the others.
+    fn split(self, middle: usize, starts: &[u32]) -> (Self, Self) {
+        let (before, after) = self.residual.split_at_mut(3 * (middle - self.first_node));
+        let stored = starts[3 * middle] - starts[3 * self.first_node];
+        let (left, right) = self.tangent.map(|t| t.split_at_mut(stored as usize)).unzip();
+        (
+            Self { residual: before, tangent: left, ..self },
+            Self { first_node: middle, residual: after, tangent: right },
+        )
+    }
+
+    #[inline]
+    fn add(&mut self, local: &LocalDerivatives, stencil: &[u32], slots: &[u32], starts: &[u32]) {
+        let (first, nodes) = (self.first_node, self.residual.len() / 3);
+        let residual = self.residual.as_chunks_mut::<3>().0;
+        for (j, &node) in stencil.iter().enumerate() {
+            let node = node as usize;
+            if node < first || node >= first + nodes {
+                continue;
+            }
+            for (sum, value) in residual[node - first].iter_mut().zip(&local.gradient()[j]) {
+                *sum += value;
+            }
+            if let Some(tangent) = self.tangent.as_deref_mut() {
+                let start = (starts[3 * node] - starts[3 * first]) as usize;
+                let end = (starts[3 * node + 3] - starts[3 * first]) as usize;
+                let blocks = local.column(j);
+                let before = local.column_start(j);
+                add_column(&mut tangent[start..end], blocks, &slots[before..before + blocks.len()]);
+            }
+        }
+    }
+}
+
+/// Adds blocks at their places in a column of blocks.
+#[inline]
+fn add_column(column: &mut [f64], blocks: &[Matrix3<f64>], slots: &[u32]) {
+    let height = column.len() / 3;
+    let (first, others) = column.split_at_mut(height);
+    let (second, third) = others.split_at_mut(height);
+    let columns = [first, second, third].map(|column| column.as_chunks_mut::<3>().0);
+    for (c, column) in columns.into_iter().enumerate() {
+        for (block, &slot) in blocks.iter().zip(slots) {
+            let entries = &mut column[slot as usize];
+            for (sum, value) in entries.iter_mut().zip(&block.as_slice()[3 * c..3 * c + 3]) {
+                *sum += value;
+            }
+        }
+    }
 }

@@ -16,7 +16,7 @@ use super::material::Material;
 use super::system::Inadmissible;
 use super::tie::Ties;
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{BoundaryEdge, Patch, ShellElement, ShellMesh, Side};
+use crate::mesh::{BoundaryEdge, Patch, ShellElement, ShellMesh, Side, Stencil};
 
 /// The stored energy of a wall of either element.
 #[derive(Clone, Debug)]
@@ -89,7 +89,7 @@ impl Discretization {
         let thickness = patch.thickness;
         let (supported, reference, wall, points, areas) = match element {
             ShellElement::Loop => {
-                let bases = LoopBasis::of_stencils(&patch.stencils);
+                let bases = patch_bases(patch);
                 let reference = patch.control_points();
                 let stencils = &patch.stencils;
                 let wall =
@@ -191,12 +191,19 @@ impl Discretization {
     }
 }
 
-fn loop_areas(
-    stencils: &[crate::mesh::Stencil],
-    bases: &[Rc<LoopBasis>],
-    control: &[Vec3],
-) -> Vec<f64> {
-    let area = |(stencil, basis): (&crate::mesh::Stencil, &Rc<LoopBasis>)| {
+/// One point of quadrature inside, three beside the edges: the nodes beyond an edge belong to few triangles, and one point
+/// in each would leave them soft.
+fn patch_bases(patch: &Patch) -> Vec<Rc<LoopBasis>> {
+    let [one, three] = [LoopBasis::new([6; 3]), LoopBasis::with_three_points()].map(Rc::new);
+    let basis = |stencil: &Stencil| {
+        let beside_edge = stencil.nodes.iter().any(|&v| v as usize >= patch.vertices());
+        if beside_edge { three.clone() } else { one.clone() }
+    };
+    patch.stencils.iter().map(basis).collect()
+}
+
+fn loop_areas(stencils: &[Stencil], bases: &[Rc<LoopBasis>], control: &[Vec3]) -> Vec<f64> {
+    let area = |(stencil, basis): (&Stencil, &Rc<LoopBasis>)| {
         let x: Vec<Vec3> = stencil.nodes.iter().map(|&v| control[v as usize]).collect();
         basis.area(&x)
     };

@@ -1,15 +1,17 @@
 //! How the sides of a patch are held: ties between the nodes at an edge, beyond it, and just inside.
 //!
-//! On the lattice of a [`Patch`] the subdivision surface along a side is a spline of three rows: the nodes beyond, the
-//! side's own, and the first inside. A function is even or odd about the side when the rows beyond and inside are so,
+//! On the lattice of a [`Patch`] the subdivision surface along a side is a spline of three rows: the nodes beyond (`-1`), the
+//! side's own (`0`), and the first inside (`1`). What is even about the side, or odd, is so in these rows:
 //!
 //! ```text
-//! u_beyond = T u_inside        T = 1 even,  -1 odd,  1 - 2 e e^T mirrored in the plane with normal e
-//! u_side   = -1/8 sum (four nodes of its ring that are not on the side)        where it is to vanish
+//! even    u_-1 = u_1               and where it vanishes on the side    u_0 = -1/8 (2 u_1,j + u_1,j+1 + u_1,j-1)
+//! odd     u_-1 = 2 u_0 - u_1       which vanishes where                 u_0 = -1/12 (u_1,j+1 - u_1,j-1)
 //! ```
 //!
-//! The last line makes the limit `u/2 + sum ring / 12` vanish for what varies slowly along the side. The errors are of
-//! second order in the width of a cell.
+//! The right-hand column makes the limit `u/2 + sum ring / 12` vanish for what varies slowly along the side. The
+//! control points of an odd function are not odd themselves on a lattice whose diagonals all run one way: they are so
+//! about their own values on the side, hence the 2 `u_0`, without which the curvature beside the edge would be wrong
+//! by as much as the twist there. The errors are of second order in the width of a cell.
 
 use nalgebra::Matrix3;
 
@@ -53,13 +55,22 @@ impl EdgeSupport {
         }
     }
 
-    /// How a node beyond the side follows its image inside, where the wall's normal is `normal`.
-    fn image(self, normal: Vec3) -> Matrix3<f64> {
+    /// Projectors on what is odd and on what is even about the side, where the wall's normal is `normal`.
+    fn parity(self, normal: Vec3) -> [Matrix3<f64>; 2] {
+        let one = Matrix3::identity();
         match self {
-            Self::Free => Matrix3::zeros(),
-            Self::Clamped => 2.0 * normal * normal.transpose() - Matrix3::identity(),
-            Self::Symmetry(axis) => mirror(axis),
-            Self::Held(_) => -Matrix3::identity(),
+            Self::Free => [Matrix3::zeros(); 2],
+            Self::Held(held) => {
+                [Matrix3::from_diagonal(&Vec3::from(held.map(f64::from))), Matrix3::zeros()]
+            }
+            Self::Symmetry(axis) => {
+                let even = 0.5 * (one + mirror(axis));
+                [one - even, even]
+            }
+            Self::Clamped => {
+                let even = normal * normal.transpose();
+                [one - even, even]
+            }
         }
     }
 }
@@ -87,15 +98,23 @@ pub(super) fn supports_of_control_points(
         for (side, image) in images(patch, place) {
             let rows = taken(&mut own, support(side).followed());
             if rows != Matrix3::zeros() {
-                let t = rows * support(side).image(patch.normal(between(place, image)));
-                direct[node].push((patch.node(image), t));
+                let on_side = between(place, image);
+                let [odd, even] = support(side).parity(patch.normal(on_side));
+                let follow = |place, t: Matrix3<f64>| (patch.node(place), rows * t);
+                direct[node].extend([follow(image, even - odd), follow(on_side, 2.0 * odd)]);
             }
         }
         for side in sides_of(patch, place) {
             let rows = taken(&mut own, support(side).held());
             if rows != Matrix3::zeros() {
-                let off_side = off_side(side, place).map(|place| patch.node(place));
-                direct[node].extend(off_side.map(|node| (node, -0.125 * rows)));
+                let [odd, even] = support(side).parity(patch.normal(place));
+                let follow = |place, t: Matrix3<f64>| (patch.node(place), rows * t);
+                let [before, beside, after] = inside(side, place);
+                direct[node].extend([
+                    follow(before, odd / 12.0 - even / 8.0),
+                    follow(beside, -even / 4.0),
+                    follow(after, -odd / 12.0 - even / 8.0),
+                ]);
             }
         }
         held.extend((0..3).filter(|&k| !own[k]).map(|k| (3 * node + k) as u32));
@@ -191,11 +210,14 @@ fn sides_of(patch: &Patch, [i, j]: Place) -> Vec<Side> {
     all.into_iter().filter(|it| it.0).map(|(_, side)| side).collect()
 }
 
-/// The neighbours of a vertex on `side` that are not on it.
-fn off_side(side: Side, [i, j]: Place) -> [Place; 4] {
+/// The row inside of a vertex on `side`: one step before it, beside it, and one step after it, in the sense in which the
+/// diagonal from the side's vertex leads to the last.
+fn inside(side: Side, [i, j]: Place) -> [Place; 3] {
     match side {
-        Side::S0 | Side::S1 => [[i + 1, j], [i + 1, j + 1], [i - 1, j], [i - 1, j - 1]],
-        Side::T0 | Side::T1 => [[i, j + 1], [i + 1, j + 1], [i, j - 1], [i - 1, j - 1]],
+        Side::S0 => [-1, 0, 1].map(|step| [i + 1, j + step]),
+        Side::S1 => [1, 0, -1].map(|step| [i - 1, j + step]),
+        Side::T0 => [-1, 0, 1].map(|step| [i + step, j + 1]),
+        Side::T1 => [1, 0, -1].map(|step| [i + step, j - 1]),
     }
 }
 

@@ -6,11 +6,11 @@ use super::system::Inadmissible;
 use crate::math::Vec3;
 
 /// Gradient and Hessian of one stencil's energy with respect to its node positions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LocalDerivatives {
     size: usize,
     gradient: Vec<Vec3>,
-    /// Row-major blocks `(i, j)`; only `i >= j` is used.
+    /// The lower blocks `(i, j)`, `i >= j`, column by column.
     hessian: Vec<Matrix3<f64>>,
     with_hessian: bool,
 }
@@ -21,8 +21,8 @@ impl LocalDerivatives {
     pub fn with_capacity(nodes: usize) -> Self {
         Self {
             size: 0,
-            gradient: vec![Vec3::zeros(); nodes],
-            hessian: vec![Matrix3::zeros(); nodes * nodes],
+            gradient: Vec::with_capacity(nodes),
+            hessian: Vec::with_capacity(nodes * (nodes + 1) / 2),
             with_hessian: true,
         }
     }
@@ -31,9 +31,11 @@ impl LocalDerivatives {
     pub fn reset(&mut self, size: usize, with_hessian: bool) {
         self.size = size;
         self.with_hessian = with_hessian;
-        self.gradient[..size].fill(Vec3::zeros());
+        self.gradient.clear();
+        self.gradient.resize(size, Vec3::zeros());
+        self.hessian.clear();
         if with_hessian {
-            self.hessian[..size * size].fill(Matrix3::zeros());
+            self.hessian.resize(size * (size + 1) / 2, Matrix3::zeros());
         }
     }
 
@@ -46,30 +48,51 @@ impl LocalDerivatives {
     /// The gradient, one vector for each node, N.
     #[must_use]
     pub fn gradient(&self) -> &[Vec3] {
-        &self.gradient[..self.size]
+        &self.gradient
     }
 
     /// The gradient, to be added to.
     pub fn gradient_mut(&mut self) -> &mut [Vec3] {
-        &mut self.gradient[..self.size]
+        &mut self.gradient
     }
 
     /// The Hessian block of nodes `i >= j`, N/mm.
     #[must_use]
     #[inline]
     pub fn block(&self, i: usize, j: usize) -> &Matrix3<f64> {
-        &self.hessian[i * self.size + j]
+        &self.hessian[self.column_start(j) + i - j]
     }
 
     /// The Hessian block of nodes `i >= j`, to be added to.
     #[inline]
     pub fn block_mut(&mut self, i: usize, j: usize) -> &mut Matrix3<f64> {
-        &mut self.hessian[i * self.size + j]
+        let start = self.column_start(j);
+        &mut self.hessian[start + i - j]
+    }
+
+    /// The Hessian blocks of node `j` with nodes `j, j + 1, ..`, N/mm.
+    #[must_use]
+    #[inline]
+    pub fn column(&self, j: usize) -> &[Matrix3<f64>] {
+        &self.hessian[self.column_start(j)..self.column_start(j + 1)]
+    }
+
+    /// The Hessian blocks of node `j` with nodes `j, j + 1, ..`, to be added to.
+    #[inline]
+    pub fn column_mut(&mut self, j: usize) -> &mut [Matrix3<f64>] {
+        let range = self.column_start(j)..self.column_start(j + 1);
+        &mut self.hessian[range]
+    }
+
+    /// The number of lower blocks before those of column `j`.
+    #[inline]
+    pub(super) fn column_start(&self, j: usize) -> usize {
+        j * self.size - j * j.saturating_sub(1) / 2
     }
 }
 
 /// A part of the potential energy that is a sum over stencils of nodes.
-pub trait Term {
+pub trait Term: Sync {
     /// The stencils: for each, its nodes in ascending order.
     fn stencils(&self) -> &[Vec<u32>];
 

@@ -58,6 +58,8 @@ pub enum Support {
 pub struct PatchLoads {
     /// How each side is held, in the order of [`Side::ALL`].
     pub supports: EdgeSupports,
+    /// Single components of the displacement (vertex, axis) held at 0, against rigid motions that the sides leave.
+    pub pins: Vec<(u32, usize)>,
     /// Pressure on the side from which the normal `x,s cross x,t` points away, following the wall, MPa.
     pub pressure: f64,
     /// Loads that keep their direction.
@@ -144,7 +146,8 @@ impl ShellModel {
         let moments = (!stencils.is_empty()).then(|| EdgeMoment::new(stencils, moment_edges));
         parts.ties.reduce(&mut forces);
         let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let mut model = Self::assembled(parts, chamber, moments, Vec::new(), material);
+        let pins = loads.pins.iter().map(|&(vertex, axis)| 3 * vertex + axis as u32).collect();
+        let mut model = Self::assembled(parts, chamber, moments, pins, material);
         model.pressure = loads.pressure;
         if !loads.dead.is_empty() {
             model.forces = forces;

@@ -18,6 +18,21 @@ pub(super) struct Jet {
 }
 
 impl Jet {
+    /// The jet of these derivatives; of the Hessian only the lower triangle is read.
+    pub(super) fn new(
+        value: f64,
+        gradient: [f64; VARIABLES],
+        hessian: &[[f64; VARIABLES]; VARIABLES],
+    ) -> Self {
+        let mut packed = [0.0; PAIRS];
+        let mut pair = 0;
+        for (i, row) in hessian.iter().enumerate() {
+            packed[pair..=pair + i].copy_from_slice(&row[..=i]);
+            pair += i + 1;
+        }
+        Self { value, gradient, hessian: packed }
+    }
+
     /// The `index`-th variable itself.
     pub(super) fn variable(index: usize, value: f64) -> Self {
         let mut gradient = [0.0; VARIABLES];

@@ -1,20 +1,28 @@
 //! The geometry of a surface at one point: from five derivative vectors to its two fundamental forms.
 //!
 //! ```text
-//! d = (a1, a2, x11, x22, x12)     a_ab = a_a . a_b     b_ab = x_ab . n     n = a1 x a2 / |a1 x a2|
-//! dn = P (da1 x a2 + a1 x da2) / |a1 x a2|             P = I - n n^T
+//! d = (a1, a2, x11, x22, x12)       a_ab = a_a . a_b     b_ab = x_ab . n     n = a1 x a2 / |a1 x a2|
+//! dn = -(n . da_c) a^c              a^c . a_b = 1 or 0   G^c_ab = x_ab . a^c
+//! db_ab  = n . (dx_ab - G^c_ab da_c)
+//! ddb_ab = 2 (dx_ab - G^c_ab da_c) . dn - b_ab dn . dn
 //! ```
 //!
-//! A function of the forms, given with its derivatives, becomes a function of `d` by the chain rule.
+//! A function of the forms, given with its derivatives, becomes a function of `d`, and of the nodes, by the chain rule.
+//!
+//! Source: Kiendl et al. (2009), isogeometric shell analysis with Kirchhoff-Love elements, for the variations.
 
 use nalgebra::Matrix3;
 
 use super::jet::{Jet, VARIABLES};
 use crate::math::Vec3;
+use crate::model::local::LocalDerivatives;
 use crate::model::system::Inadmissible;
 
 /// Symmetric 2x2 tensors as `(11, 22, 12)`.
 pub(super) type Form = [f64; 3];
+
+/// The weights `[,1 ,2 ,11 ,22 ,12]` of a node.
+pub(super) type Row = [f64; 5];
 
 /// The five derivative vectors of the surface at a point, and its normal.
 pub(super) struct Derivatives {
@@ -25,7 +33,7 @@ pub(super) struct Derivatives {
 }
 
 impl Derivatives {
-    pub(super) fn new(basis: &[[f64; 5]], x: &[Vec3]) -> Self {
+    pub(super) fn new(basis: &[Row], x: &[Vec3]) -> Self {
         let mut d = [Vec3::zeros(); 5];
         for (row, x) in basis.iter().zip(x) {
             for (d, weight) in d.iter_mut().zip(row) {
@@ -47,94 +55,160 @@ impl Derivatives {
         Ok([[a1.dot(a1), a2.dot(a2), a1.dot(a2)], [x11.dot(n), x22.dot(n), x12.dot(n)]])
     }
 
-    /// The parts of `db_k` along `da1` and `da2`: `v x a` with `v = P x_k / j`.
-    fn normal_parts(&self, k: usize) -> [Vec3; 2] {
-        let x = &self.d[2 + k];
-        let v = (x - self.normal * self.normal.dot(x)) / self.jacobian;
-        [self.d[1].cross(&v), v.cross(&self.d[0])]
-    }
-
-    /// The energy's gradient with respect to `d`, from that with respect to `(a_ab, b_ab)`.
-    pub(super) fn gradient(&self, q: &[f64; VARIABLES]) -> [Vec3; 5] {
-        let [a1, a2, ..] = &self.d;
-        let mut out = [
-            2.0 * q[0] * a1 + q[2] * a2,
-            2.0 * q[1] * a2 + q[2] * a1,
-            q[3] * self.normal,
-            q[4] * self.normal,
-            q[5] * self.normal,
-        ];
-        for k in 0..3 {
-            let [along_1, along_2] = self.normal_parts(k);
-            out[0] += q[3 + k] * along_1;
-            out[1] += q[3 + k] * along_2;
-        }
-        out
-    }
-
-    /// The energy's Hessian with respect to `d`.
-    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
-    pub(super) fn hessian(&self, energy: &Jet) -> [[Matrix3<f64>; 5]; 5] {
-        let [a1, a2, ..] = &self.d;
-        let q = &energy.gradient;
-        let n = &self.normal;
-        // Rows of dq/dd: which of the five vectors each form depends on, and how.
-        let zero = Vec3::zeros();
-        let mut rows = [[zero; 5]; VARIABLES];
-        rows[0][0] = 2.0 * a1;
-        rows[1][1] = 2.0 * a2;
-        rows[2][0] = *a2;
-        rows[2][1] = *a1;
-        for k in 0..3 {
-            let [along_1, along_2] = self.normal_parts(k);
-            rows[3 + k][0] = along_1;
-            rows[3 + k][1] = along_2;
-            rows[3 + k][2 + k] = *n;
-        }
-        let full = |i: usize, j: usize| {
-            let (i, j) = if i >= j { (i, j) } else { (j, i) };
-            energy.hessian[i * (i + 1) / 2 + j]
-        };
-        let weighted: [[Vec3; 5]; VARIABLES] = std::array::from_fn(|i| {
-            std::array::from_fn(|s| {
-                (0..VARIABLES).fold(zero, |sum, j| sum + full(i, j) * rows[j][s])
-            })
-        });
-        let mut h = [[Matrix3::zeros(); 5]; 5];
-        for s in 0..5 {
-            for t in 0..=s {
-                for i in 0..VARIABLES {
-                    h[s][t] += rows[i][s] * weighted[i][t].transpose();
-                }
+    /// Adds the derivatives of an energy of the forms `(a_ab, b_ab)` to those of the nodes with weights `basis`.
+    pub(super) fn chain(&self, energy: &Jet, basis: &[Row], local: &mut LocalDerivatives) {
+        let frame = Frame::new(self);
+        let h = self.gradient(&frame, &energy.gradient);
+        for (gradient, row) in local.gradient_mut().iter_mut().zip(basis) {
+            for (h, weight) in h.iter().zip(row) {
+                *gradient += *weight * h;
             }
         }
-        // The forms' own second derivatives.
-        h[0][0] += Matrix3::from_diagonal_element(2.0 * q[0]);
-        h[1][1] += Matrix3::from_diagonal_element(2.0 * q[1]);
-        h[1][0] += Matrix3::from_diagonal_element(q[2]);
-        let projector = Matrix3::identity() - n * n.transpose();
-        let per_area = projector / self.jacobian;
-        let dn = [-(per_area * a2.cross_matrix()), per_area * a1.cross_matrix()];
-        let mut moment = zero;
-        for k in 0..3 {
-            h[2 + k][0] += q[3 + k] * dn[0];
-            h[2 + k][1] += q[3 + k] * dn[1];
-            moment += q[3 + k] * self.d[2 + k];
+        if local.with_hessian() {
+            add_hessian(&self.hessian(&frame, energy), basis, local);
         }
-        let v = per_area * moment;
-        let of_normal =
-            -(v * n.transpose() + n * v.transpose() + projector * (moment.dot(n) / self.jacobian))
-                / self.jacobian;
-        let area = [-a2.cross_matrix(), a1.cross_matrix()];
-        h[0][0] += area[0].transpose() * of_normal * area[0];
-        h[1][1] += area[1].transpose() * of_normal * area[1];
-        h[1][0] += area[1].transpose() * of_normal * area[0] + v.cross_matrix();
-        for s in 0..5 {
-            for t in 0..s {
-                h[t][s] = h[s][t].transpose();
+    }
+
+    /// The energy's gradient with respect to `d`, from that with respect to the forms.
+    fn gradient(&self, frame: &Frame, q: &[f64; VARIABLES]) -> [Vec3; 5] {
+        let [a1, a2, ..] = &self.d;
+        let n = &self.normal;
+        let [along_1, along_2] = frame.moments(q);
+        [
+            2.0 * q[0] * a1 + q[2] * a2 - along_1 * n,
+            2.0 * q[1] * a2 + q[2] * a1 - along_2 * n,
+            q[3] * n,
+            q[4] * n,
+            q[5] * n,
+        ]
+    }
+
+    /// The energy's Hessian with respect to `d`, in blocks.
+    fn hessian(&self, frame: &Frame, energy: &Jet) -> [[Block; 5]; 5] {
+        let [a1, a2, x11, x22, x12] = &self.d;
+        let n = &self.normal;
+        let q = &energy.gradient;
+        let w: [[f64; VARIABLES]; VARIABLES] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                energy.hessian[if i >= j { i * (i + 1) / 2 + j } else { j * (j + 1) / 2 + i }]
+            })
+        });
+        let gamma = &frame.gamma;
+        let dual = &frame.dual;
+        let moments = frame.moments(q);
+        let bend = (q[3] * x11 + q[4] * x22 + q[5] * x12).dot(n);
+        // d2W/db_k da_c along the tangents, and d2W/db_k db_l G^c_l along the normal.
+        let on_tangents: [[Vec3; 2]; 3] = std::array::from_fn(|k| {
+            let w = &w[3 + k];
+            [2.0 * w[0] * a1 + w[2] * a2, 2.0 * w[1] * a2 + w[2] * a1]
+        });
+        let on_normal: [[f64; 2]; 3] = std::array::from_fn(|k| {
+            std::array::from_fn(|c| (0..3).map(|l| w[3 + k][3 + l] * gamma[l][c]).sum())
+        });
+        // The block of `da_b`, `da_c` is in_plane + n p_bc^T + p_cb n^T + normal_part n n^T.
+        let p: [[Vec3; 2]; 2] = std::array::from_fn(|b| {
+            std::array::from_fn(|c| {
+                (0..3).fold(moments[c] * dual[b], |sum, k| sum - gamma[k][b] * on_tangents[k][c])
+            })
+        });
+        let tangents = |b: usize, c: usize, in_plane: Matrix3<f64>, metric: f64| {
+            let normal_part = (0..3).map(|k| gamma[k][b] * on_normal[k][c]).sum::<f64>()
+                - bend * dual[b].dot(&dual[c]);
+            let mut block = in_plane
+                + n * (p[b][c] + normal_part * n).transpose()
+                + p[c][b] * n.transpose();
+            (0..3).for_each(|i| block[(i, i)] += metric);
+            block
+        };
+        let [a11, a22] = [a1, a2].map(|a| a * a.transpose());
+        let a21 = a2 * a1.transpose();
+        let a12 = a21.transpose();
+
+        let mut h = [[Block::default(); 5]; 5];
+        let mut put = |s: usize, t: usize, block: Matrix3<f64>| {
+            h[s][t] = Block::new(&block);
+            h[t][s] = Block::new(&block.transpose());
+        };
+        let in_plane = 4.0 * w[0][0] * a11 + 2.0 * w[2][0] * (a12 + a21) + w[2][2] * a22;
+        put(0, 0, tangents(0, 0, in_plane, 2.0 * q[0]));
+        let in_plane = 4.0 * w[1][1] * a22 + 2.0 * w[2][1] * (a12 + a21) + w[2][2] * a11;
+        put(1, 1, tangents(1, 1, in_plane, 2.0 * q[1]));
+        let in_plane =
+            4.0 * w[1][0] * a21 + 2.0 * (w[2][1] * a22 + w[2][0] * a11) + w[2][2] * a12;
+        put(1, 0, tangents(1, 0, in_plane, q[2]));
+        let nn = n * n.transpose();
+        for k in 0..3 {
+            for c in 0..2 {
+                let pull = on_tangents[k][c] - on_normal[k][c] * n;
+                put(2 + k, c, n * pull.transpose() - q[3 + k] * dual[c] * n.transpose());
+            }
+            for l in 0..=k {
+                put(2 + k, 2 + l, w[3 + k][3 + l] * nn);
             }
         }
         h
+    }
+}
+
+/// The dual tangents `a^c`, and `G^c_ab` for `ab` = 11, 22, 12.
+struct Frame {
+    dual: [Vec3; 2],
+    gamma: [[f64; 2]; 3],
+}
+
+impl Frame {
+    fn new(surface: &Derivatives) -> Self {
+        let [a1, a2, second @ ..] = &surface.d;
+        let dual =
+            [a2.cross(&surface.normal), surface.normal.cross(a1)].map(|a| a / surface.jacobian);
+        Self { gamma: second.map(|x| dual.map(|a| x.dot(&a))), dual }
+    }
+
+    /// `dW/db_ab G^c_ab`.
+    fn moments(&self, q: &[f64; VARIABLES]) -> [f64; 2] {
+        std::array::from_fn(|c| (0..3).map(|k| q[3 + k] * self.gamma[k][c]).sum())
+    }
+}
+
+/// `K_IJ += sum_st B_sI B_tJ H_st` for the lower blocks.
+fn add_hessian(hessian: &[[Block; 5]; 5], basis: &[Row], local: &mut LocalDerivatives) {
+    for (j, column) in basis.iter().enumerate() {
+        let half = hessian.each_ref().map(|row| Block::combination(row, column));
+        for (block, row) in local.column_mut(j).iter_mut().zip(&basis[j..]) {
+            Block::combination(&half, row).add_to(block);
+        }
+    }
+}
+
+/// A 3x3 matrix by columns, one number longer so that it is five pairs: the width of the baseline's registers.
+#[derive(Clone, Copy, Default)]
+#[repr(align(16))]
+struct Block([f64; 10]);
+
+impl Block {
+    #[inline]
+    fn new(matrix: &Matrix3<f64>) -> Self {
+        let mut block = Self::default();
+        block.0[..9].copy_from_slice(matrix.as_slice());
+        block
+    }
+
+    #[inline]
+    fn combination(blocks: &[Self; 5], weights: &Row) -> Self {
+        Self(std::array::from_fn(|e| {
+            blocks[0].0[e] * weights[0]
+                + blocks[1].0[e] * weights[1]
+                + blocks[2].0[e] * weights[2]
+                + blocks[3].0[e] * weights[3]
+                + blocks[4].0[e] * weights[4]
+        }))
+    }
+
+    #[inline]
+    fn add_to(&self, matrix: &mut Matrix3<f64>) {
+        for (sum, value) in matrix.as_mut_slice().iter_mut().zip(&self.0) {
+            *sum += value;
+        }
     }
 }
 

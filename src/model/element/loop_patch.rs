@@ -28,6 +28,9 @@ const AREA_LEVELS: usize = 2;
 pub struct LoopBasis {
     /// `[,1 ,2 ,11 ,22 ,12]` of each control point at the barycentre.
     pub barycentre: Vec<[f64; 5]>,
+    /// The quadrature: the share of the element's area that each point stands for, and `[,1 ,2 ,11 ,22 ,12]` of each control
+    /// point there.
+    pub points: Vec<(f64, Vec<[f64; 5]>)>,
     /// `[,1 ,2]` of each control point at the barycentres of the 16 grandchildren, with the share of
     /// `|x,1 cross x,2|` that each contributes to the area.
     area_points: Vec<(f64, Vec<[f64; 2]>)>,
@@ -50,8 +53,10 @@ impl LoopBasis {
         let [r1, r2, r11, r22, r12] = patch.barycentre().1;
         let limit: Vec<Row> =
             (0..3).map(|i| patch.limit_corner(i)).chain(patch.limit_edges()).collect();
+        let barycentre = transpose(&[&r1, &r2, &r11, &r22, &r12]);
         Self {
-            barycentre: transpose(&[&r1, &r2, &r11, &r22, &r12]),
+            points: vec![(1.0, barycentre.clone())],
+            barycentre,
             area_points,
             limit: transpose(&std::array::from_fn::<_, 6, _>(|i| &limit[i])),
         }
@@ -68,6 +73,17 @@ impl LoopBasis {
                 .clone()
         };
         stencils.iter().map(basis).collect()
+    }
+
+    /// The weights for a triangle with valences of six, with three points of quadrature (exact for quadratics).
+    #[must_use]
+    pub fn with_three_points() -> Self {
+        let third = |v: f64, w: f64| (1.0 / 3.0, Self::regular(v, w));
+        let (near, far) = (1.0 / 6.0, 2.0 / 3.0);
+        Self {
+            points: vec![third(near, near), third(far, near), third(near, far)],
+            ..Self::new([6; 3])
+        }
     }
 
     /// `[,1 ,2 ,11 ,22 ,12]` of each control point of a triangle with valences of six, where the second and the third corner

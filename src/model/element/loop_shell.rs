@@ -12,9 +12,7 @@
 
 use std::rc::Rc;
 
-use nalgebra::Matrix3;
-
-use super::kinematics::Derivatives;
+use super::kinematics::{Derivatives, Row};
 use super::loop_patch::LoopBasis;
 use super::points::ascending;
 use super::wall_point::{WallPoint, bending_depth};
@@ -33,7 +31,7 @@ pub struct LoopShell {
     stencils: Vec<Vec<u32>>,
     points: Vec<WallPoint>,
     /// `[,1 ,2 ,11 ,22 ,12]` of each node of each stencil at its barycentre.
-    basis: Vec<Vec<[f64; 5]>>,
+    basis: Vec<Vec<Row>>,
     material: Material,
     creased_share: f64,
 }
@@ -61,17 +59,20 @@ impl LoopShell {
         for (stencil, basis) in stencils.iter().zip(bases) {
             let positions: Vec<Vec3> = stencil.nodes.iter().map(|&v| x[v as usize]).collect();
             let area = basis.area(&positions);
-            let forms = Derivatives::new(&basis.barycentre, &positions).forms();
-            let forms = forms.map_err(|Inadmissible(what)| {
-                Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
-            })?;
-            let depth = bending_depth(forms, thickness);
-            shell.points.push(WallPoint::new(forms, area, thickness, depth));
-            whole_area += area;
-            creased_area += if depth < 1.0 { area } else { 0.0 };
-            let (nodes, weights) = ascending(&stencil.nodes, &basis.barycentre);
-            shell.stencils.push(nodes);
-            shell.basis.push(weights);
+            for (share, rows) in &basis.points {
+                let forms = Derivatives::new(rows, &positions).forms();
+                let forms = forms.map_err(|Inadmissible(what)| {
+                    Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
+                })?;
+                let depth = bending_depth(forms, thickness);
+                let area = share * area;
+                shell.points.push(WallPoint::new(forms, area, thickness, depth));
+                whole_area += area;
+                creased_area += if depth < 1.0 { area } else { 0.0 };
+                let (nodes, weights) = ascending(&stencil.nodes, rows);
+                shell.stencils.push(nodes);
+                shell.basis.push(weights);
+            }
         }
         shell.creased_share = creased_area / whole_area;
         if shell.creased_share <= MOST_CREASED {
@@ -119,40 +120,10 @@ impl Term for LoopShell {
         local: &mut LocalDerivatives,
     ) -> Result<f64, Inadmissible> {
         let basis = &self.basis[s];
-        let derivatives = Derivatives::new(basis, x);
-        let of_forms = self.points[s].derivatives(derivatives.forms()?, &self.material)?;
-        let h = derivatives.gradient(&of_forms.gradient);
-        for (gradient, row) in local.gradient_mut().iter_mut().zip(basis) {
-            for (h, weight) in h.iter().zip(row) {
-                *gradient += *weight * h;
-            }
-        }
-        if local.with_hessian() {
-            let hessian = derivatives.hessian(&of_forms);
-            scatter(&hessian, basis, local);
-        }
-        Ok(of_forms.value)
-    }
-}
-
-/// `K_IJ += sum_st B_sI B_tJ H_st` for the lower blocks.
-fn scatter(hessian: &[[Matrix3<f64>; 5]; 5], basis: &[[f64; 5]], local: &mut LocalDerivatives) {
-    for (j, column) in basis.iter().enumerate() {
-        let half: [Matrix3<f64>; 5] = std::array::from_fn(|s| {
-            let h = &hessian[s];
-            h[0] * column[0]
-                + h[1] * column[1]
-                + h[2] * column[2]
-                + h[3] * column[3]
-                + h[4] * column[4]
-        });
-        for (i, row) in basis.iter().enumerate().skip(j) {
-            *local.block_mut(i, j) += half[0] * row[0]
-                + half[1] * row[1]
-                + half[2] * row[2]
-                + half[3] * row[3]
-                + half[4] * row[4];
-        }
+        let surface = Derivatives::new(basis, x);
+        let energy = self.points[s].derivatives(surface.forms()?, &self.material)?;
+        surface.chain(&energy, basis, local);
+        Ok(energy.value)
     }
 }
 

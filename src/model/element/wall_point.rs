@@ -18,7 +18,7 @@
 
 use super::jet::{Jet, VARIABLES};
 use super::kinematics::{Form, det, shifter, third_form};
-use crate::model::material::Material;
+use crate::model::material::{OfInvariants, Material};
 use crate::model::system::Inadmissible;
 
 /// Abscissae and weights of the three-point Gauss rule on [-1, 1]; 0.6f64.sqrt() to the last digit.
@@ -96,111 +96,150 @@ impl WallPoint {
 
     /// The stored energy (mJ) with its derivatives with respect to `(a11, a22, a12, b11, b22, b12)`.
     ///
+    /// ```text
+    /// g = a - 2 zl b + (zl)^2 c      l(a) = thickness stretch      c(a, b) = b a^-1 b
+    /// m = a^-1 b       dc = db m + m^T db - m^T da m       ddc = 2 e^T a^-1 e,   e = db - da m
+    /// ```
+    ///
     /// # Errors
     /// [`Inadmissible`] where a fold is tighter than half the wall.
-    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
     pub(super) fn derivatives(
         &self,
         [a, b]: [Form; 2],
         material: &Material,
     ) -> Result<Jet, Inadmissible> {
         let det_a = det(a);
-        let (l3, [p, q]) = self.thickness_scaled_forms(a, b, material);
-        let mut energy = Jet::variable(0, 0.0);
-        energy.gradient = [0.0; VARIABLES];
-        // How much the second derivatives of P = l3 b and Q = l3^2 b a^-1 b count, summed over the layers.
-        let mut p_weight = [0.0; 3];
-        let mut q_weight = [0.0; 3];
+        let (t, j) = self.mid.invariants(a);
+        let stretch = material.thickness_stretch(t, j);
+        let (dl, ddl) = self.mid.chain(a, &stretch);
+        let third = ThirdForm::new(a, b, det_a);
+        let c = third.value;
+
+        let mut value = 0.0;
+        let mut gradient = [0.0; VARIABLES];
+        let mut hessian = [[0.0; VARIABLES]; VARIABLES];
+        // Sums of z dW/dg and z^2 dW/dg, which weigh the second derivatives of g.
+        let (mut first_moment, mut second_moment) = ([0.0; 3], [0.0; 3]);
         for layer in &self.layers {
-            let z = layer.z;
-            check_shifter(z * l3, a, b, det_a)?;
-            let g = std::array::from_fn(|k| a[k] - 2.0 * z * p[k].value + z * z * q[k].value);
+            let z = layer.z * stretch.value;
+            check_shifter(z, a, b, det_a)?;
+            let g = layer_metric(a, b, c, z);
             let (t, j) = layer.metric.invariants(g);
             let density = material.density(t, j);
-            let [psi_t, psi_j] = density.first;
-            let [psi_tt, psi_tj, psi_jj] = density.second;
-            let dt = layer.metric.inverse;
-            let dj = [g[1], g[0], -2.0 * g[2]].map(|v| v * layer.metric.inverse_det);
-            let first: Form =
-                std::array::from_fn(|k| layer.volume * (psi_t * dt[k] + psi_j * dj[k]));
-            let mut second: [[f64; 3]; 3] = std::array::from_fn(|k| {
-                let on_t = layer.volume * (psi_tt * dt[k] + psi_tj * dj[k]);
-                let on_j = layer.volume * (psi_tj * dt[k] + psi_jj * dj[k]);
-                std::array::from_fn(|l| on_t * dt[l] + on_j * dj[l])
-            });
-            let curvature_of_j = layer.volume * psi_j * layer.metric.inverse_det;
-            second[0][1] += curvature_of_j;
-            second[1][0] += curvature_of_j;
-            second[2][2] -= 2.0 * curvature_of_j;
-
+            let (stress, stiffness) = layer.metric.chain(g, &density);
+            value += layer.volume * density.value;
             let dg: [[f64; VARIABLES]; 3] = std::array::from_fn(|k| {
-                let mut row: [f64; VARIABLES] =
-                    std::array::from_fn(|i| -2.0 * z * p[k].gradient[i] + z * z * q[k].gradient[i]);
+                let by_stretch = layer.z * 2.0 * (z * c[k] - b[k]);
+                let mut row: [f64; VARIABLES] = std::array::from_fn(|i| z * z * third.first[k][i]);
+                for (row, dl) in row.iter_mut().zip(dl) {
+                    *row += by_stretch * dl;
+                }
                 row[k] += 1.0;
+                row[3 + k] -= 2.0 * z;
                 row
             });
-            energy.value += layer.volume * density.value;
-            for k in 0..3 {
-                for (sum, dg) in energy.gradient.iter_mut().zip(&dg[k]) {
-                    *sum += first[k] * dg;
-                }
-                p_weight[k] -= 2.0 * z * first[k];
-                q_weight[k] += z * z * first[k];
-            }
+            let stress = stress.map(|s| layer.volume * s);
             let weighted: [[f64; VARIABLES]; 3] = std::array::from_fn(|k| {
-                std::array::from_fn(|i| (0..3).map(|l| second[k][l] * dg[l][i]).sum())
+                let [d0, d1, d2] = stiffness[k].map(|d| layer.volume * d);
+                std::array::from_fn(|i| d0 * dg[0][i] + d1 * dg[1][i] + d2 * dg[2][i])
             });
-            let mut pair = 0;
             for i in 0..VARIABLES {
-                for j in 0..=i {
-                    energy.hessian[pair] += dg[0][i] * weighted[0][j]
+                gradient[i] += stress[0] * dg[0][i] + stress[1] * dg[1][i] + stress[2] * dg[2][i];
+                for j in 0..VARIABLES {
+                    hessian[i][j] += dg[0][i] * weighted[0][j]
                         + dg[1][i] * weighted[1][j]
                         + dg[2][i] * weighted[2][j];
-                    pair += 1;
                 }
             }
-        }
-        for k in 0..3 {
-            for (sum, (p, q)) in
-                energy.hessian.iter_mut().zip(p[k].hessian.iter().zip(&q[k].hessian))
-            {
-                *sum += p_weight[k] * p + q_weight[k] * q;
+            for k in 0..3 {
+                first_moment[k] += layer.z * stress[k];
+                second_moment[k] += layer.z * layer.z * stress[k];
             }
         }
-        Ok(energy)
+
+        let by_c = second_moment.map(|s| stretch.value * stretch.value * s);
+        third.add_second(by_c, &mut hessian);
+        // By the stretch: once, twice, and once with b and c.
+        let twice = 2.0 * dot(second_moment, c);
+        let once = stretch.value * twice - 2.0 * dot(first_moment, b);
+        let by_stretch: [f64; VARIABLES] = std::array::from_fn(|i| {
+            let column = third.first.map(|row| row[i]);
+            let own = if i < 3 { 0.5 * twice * dl[i] } else { -2.0 * first_moment[i - 3] };
+            own + 2.0 * stretch.value * dot(second_moment, column)
+        });
+        for i in 0..3 {
+            for j in 0..VARIABLES {
+                hessian[i][j] += dl[i] * by_stretch[j];
+                hessian[j][i] += dl[i] * by_stretch[j];
+            }
+            for j in 0..3 {
+                hessian[i][j] += once * ddl[i][j];
+            }
+        }
+        Ok(Jet::new(value, gradient, &hessian))
+    }
+}
+
+/// `c = b a^-1 b` with its derivatives by `(a, b)`.
+struct ThirdForm {
+    value: Form,
+    first: [[f64; VARIABLES]; 3],
+    /// `a^-1`.
+    inverse: [[f64; 2]; 2],
+    /// `m = a^-1 b`.
+    mixed: [[f64; 2]; 2],
+}
+
+impl ThirdForm {
+    #[inline]
+    fn new(a: Form, b: Form, det_a: f64) -> Self {
+        let off = -a[2] / det_a;
+        let inverse = [[a[1] / det_a, off], [off, a[0] / det_a]];
+        let mixed = product(&inverse, &[[b[0], b[2]], [b[2], b[1]]]);
+        let [[m11, m12], [m21, m22]] = mixed;
+        let first = [
+            [-m11 * m11, -m21 * m21, -2.0 * m11 * m21, 2.0 * m11, 0.0, 2.0 * m21],
+            [-m12 * m12, -m22 * m22, -2.0 * m12 * m22, 0.0, 2.0 * m22, 2.0 * m12],
+            [-m11 * m12, -m21 * m22, -m11 * m22 - m12 * m21, m12, m21, m11 + m22],
+        ];
+        Self { value: third_form(a, b, det_a), first, inverse, mixed }
     }
 
-    /// The thickness stretch, and `P = l3 b`, `Q = l3^2 b a^-1 b` as jets in the six form components.
-    fn thickness_scaled_forms(
-        &self,
-        a: Form,
-        b: Form,
-        material: &Material,
-    ) -> (f64, [[Jet; 3]; 2]) {
-        let [a11, a22, a12]: [Jet; 3] = std::array::from_fn(|k| Jet::variable(k, a[k]));
-        let [b11, b22, b12]: [Jet; 3] = std::array::from_fn(|k| Jet::variable(3 + k, b[k]));
-        let det_a = &(&a11 * &a22) - &(&a12 * &a12);
-        let l3 = {
-            let [g11, g22, g12] = self.mid.inverse;
-            let t = &(&a11.scale(g11) + &a22.scale(g22)) + &a12.scale(g12);
-            let j = det_a.scale(self.mid.inverse_det);
-            let stretch = material.thickness_stretch(t.value, j.value);
-            t.chain_with(&j, stretch.value, stretch.first, stretch.second)
-        };
-        // b adj(a) b / det a.
-        let m11 = &(&a22 * &b11) - &(&a12 * &b12);
-        let m12 = &(&a22 * &b12) - &(&a12 * &b22);
-        let m21 = &(&a11 * &b12) - &(&a12 * &b11);
-        let m22 = &(&a11 * &b22) - &(&a12 * &b12);
-        let third = [
-            &(&b11 * &m11) + &(&b12 * &m21),
-            &(&b12 * &m12) + &(&b22 * &m22),
-            &(&b11 * &m12) + &(&b12 * &m22),
+    /// Adds the second derivatives of `weights . c` to `hessian`: `2 tr(W e^T a^-1 e)`.
+    #[inline]
+    fn add_second(&self, weights: Form, hessian: &mut [[f64; VARIABLES]; VARIABLES]) {
+        let [m1, m2] = self.mixed;
+        // e = db - da m by each variable.
+        let e: [[[f64; 2]; 2]; VARIABLES] = [
+            [m1.map(|m| -m), [0.0; 2]],
+            [[0.0; 2], m2.map(|m| -m)],
+            [m2.map(|m| -m), m1.map(|m| -m)],
+            [[1.0, 0.0], [0.0, 0.0]],
+            [[0.0, 0.0], [0.0, 1.0]],
+            [[0.0, 1.0], [1.0, 0.0]],
         ];
-        let factor = &(&l3 * &l3) * &det_a.powf(-1.0);
-        let scaled = [&l3 * &b11, &l3 * &b22, &l3 * &b12];
-        (l3.value, [scaled, third.map(|form| &factor * &form)])
+        let [w1, w2, w12] = weights;
+        let twice = [[2.0 * w1, w12], [w12, 2.0 * w2]];
+        for (row, one) in hessian.iter_mut().zip(&e) {
+            let [[p11, p12], [p21, p22]] = product(&product(&self.inverse, one), &twice);
+            for (entry, other) in row.iter_mut().zip(&e) {
+                *entry += p11 * other[0][0]
+                    + p12 * other[0][1]
+                    + p21 * other[1][0]
+                    + p22 * other[1][1];
+            }
+        }
     }
+}
+
+#[inline]
+fn product(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    a.map(|[one, two]| [0, 1].map(|j| one * b[0][j] + two * b[1][j]))
+}
+
+#[inline]
+fn dot(a: Form, b: Form) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl Metric {
@@ -213,6 +252,26 @@ impl Metric {
     fn invariants(&self, g: Form) -> (f64, f64) {
         let t = (0..3).map(|k| self.inverse[k] * g[k]).sum();
         (t, det(g) * self.inverse_det)
+    }
+
+    /// First and second derivatives by `g` of a function of the invariants.
+    #[inline]
+    fn chain(&self, g: Form, f: &OfInvariants) -> (Form, [Form; 3]) {
+        let dt = self.inverse;
+        let dj = [g[1], g[0], -2.0 * g[2]].map(|v| v * self.inverse_det);
+        let [f_t, f_j] = f.first;
+        let [f_tt, f_tj, f_jj] = f.second;
+        let first = std::array::from_fn(|k| f_t * dt[k] + f_j * dj[k]);
+        let mut second: [Form; 3] = std::array::from_fn(|k| {
+            let on_t = f_tt * dt[k] + f_tj * dj[k];
+            let on_j = f_tj * dt[k] + f_jj * dj[k];
+            std::array::from_fn(|l| on_t * dt[l] + on_j * dj[l])
+        });
+        let curvature_of_j = f_j * self.inverse_det;
+        second[0][1] += curvature_of_j;
+        second[1][0] += curvature_of_j;
+        second[2][2] -= 2.0 * curvature_of_j;
+        (first, second)
     }
 }
 

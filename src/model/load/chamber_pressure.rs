@@ -261,8 +261,8 @@ mod tests {
     /// their edges, as any inscribed polyhedron does.
     #[test]
     fn volume_of_spheres_converges_to_second_order() {
-        use crate::mesh::ShellSettings;
-        use crate::model::element::fitted_control_points;
+        use crate::mesh::{ShellMesh, ShellSettings};
+        use crate::model::element::{LoopBasis, fitted_control_points};
         use crate::surface::TriangleMesh;
 
         let settings = ShellSettings { thickness: 0.5, clamp_height: 8.0, ..Default::default() };

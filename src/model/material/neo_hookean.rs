@@ -49,8 +49,8 @@ pub(super) fn first_invariant(t: f64, j: f64, [a, b]: [f64; 2]) -> OfInvariants 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::material::test_laws::check_nominal_stresses;
     use crate::model::material::Material;
+    use crate::model::material::test_laws::check_nominal_stresses;
 
     #[test]
     fn nominal_stresses_are_those_of_the_books() {

@@ -1,6 +1,6 @@
 //! What every incompressible rubber has, and the choice among them.
 
-use super::{MooneyRivlin, NeoHookean, Ogden, OfInvariants, Yeoh};
+use super::{MooneyRivlin, NeoHookean, OfInvariants, Ogden, Yeoh};
 
 /// An incompressible law in plane stress.
 pub(super) trait IncompressibleLaw {

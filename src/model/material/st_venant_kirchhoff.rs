@@ -62,14 +62,20 @@ mod tests {
     #[test]
     fn nominal_stresses_are_those_of_the_books() {
         for (e, nu) in [(2.0, 0.3), (2.0, -0.6), (2.0, 0.0), (2.0, 0.5)] {
-            let law = Material::StVenantKirchhoff(StVenantKirchhoff { young_modulus: e, poisson_ratio: nu });
+            let law = Material::StVenantKirchhoff(StVenantKirchhoff {
+                young_modulus: e,
+                poisson_ratio: nu,
+            });
             for l in [0.8_f64, 0.99, 1.0, 1.05, 1.4] {
                 let strain = 0.5 * (l * l - 1.0);
                 let narrow = (1.0 - 2.0 * nu * strain).sqrt();
                 for ([l1, l2], exact) in [
                     ([l, narrow], [e * l * strain, 0.0]),
                     ([l, l], [e / (1.0 - nu) * l * strain; 2]),
-                    ([l, 1.0], [e / (1.0 - nu * nu) * l * strain, nu * e / (1.0 - nu * nu) * strain]),
+                    (
+                        [l, 1.0],
+                        [e / (1.0 - nu * nu) * l * strain, nu * e / (1.0 - nu * nu) * strain],
+                    ),
                 ] {
                     let stress = nominal_stress(&law, [l1, l2]);
                     for (stress, exact) in stress.iter().zip(exact) {

@@ -206,18 +206,13 @@ fn local_solve_leaves_no_normal_stress() {
                 let l3 = Material::Compressible(law.clone()).thickness_stretch(t, j);
                 let along = |l3| {
                     second_derivative(
-                        |l3| {
-                            energy_in_space(&law, [num_dual::Dual2_64::from(l1), l2.into(), l3])
-                        },
+                        |l3| energy_in_space(&law, [num_dual::Dual2_64::from(l1), l2.into(), l3]),
                         l3,
                     )
                 };
                 let (_, force, stiffness) = along(l3.value);
                 let error = force / stiffness / l3.value;
-                assert!(
-                    stiffness > 0.0 && error.abs() < 1e-13,
-                    "{law:?} {l1} {l2} {l3:?} {error}"
-                );
+                assert!(stiffness > 0.0 && error.abs() < 1e-13, "{law:?} {l1} {l2} {l3:?} {error}");
             }
         }
     }
