@@ -126,6 +126,11 @@ fn of_patch(
         let place = Side::ALL.iter().position(|side| *side == edge.side);
         loads.supports[place.expect("all sides are listed")] = edge.support()?;
     }
+    for pin in &scene.pins {
+        let vertex = vertex(pin.at)?;
+        let held = pin.held()?;
+        loads.pins.extend((0..3).filter(|&axis| held[axis]).map(|axis| (vertex, axis)));
+    }
     for force in &scene.forces {
         loads.dead.push(match force.acting()? {
             Force::Point { at, force } => DeadLoad::Point { vertex: vertex(at)?, force },
