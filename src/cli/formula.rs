@@ -27,7 +27,7 @@ enum Node {
     Variable(usize),
     Negative(Box<Node>),
     Binary(u8, Box<[Node; 2]>),
-    Function(fn(f64) -> f64, Box<Node>),
+    Function(Function, Box<Node>),
 }
 
 impl Formula {
@@ -79,7 +79,9 @@ impl Node {
 /// Parentheses nest no deeper than a formula is long, and each takes a few frames of the stack.
 const LONGEST: usize = 1000;
 
-const FUNCTIONS: [(&str, fn(f64) -> f64); 13] = [
+type Function = fn(f64) -> f64;
+
+const FUNCTIONS: [(&str, Function); 13] = [
     ("sin", f64::sin),
     ("cos", f64::cos),
     ("tan", f64::tan),

@@ -62,13 +62,14 @@ impl WatchCurve {
         let mut pointwise_error = 0.0_f64;
         for (&load, &value) in reference.load.iter().zip(&reference.value) {
             let measured = self.value_at(load).ok_or(load)?;
-            let distance = (measured - value).abs();
+            // What is not a number is as far as can be.
+            let distance = Some((measured - value).abs()).filter(|d| !d.is_nan());
+            let distance = distance.unwrap_or(f64::INFINITY);
             let error = 100.0 * distance / scale;
             if value.abs() > NEAR_ZERO * scale {
                 pointwise_error = pointwise_error.max(100.0 * distance / value.abs());
             }
-            // A value that is not a number is as far as can be.
-            if !worst.is_some_and(|worst| error <= worst.error) {
+            if worst.is_none_or(|worst| error > worst.error) {
                 worst =
                     Some(Deviation { error, load, measured, reference: value, pointwise_error });
             }
@@ -125,6 +126,6 @@ mod tests {
         curve.points[1].value = f64::NAN;
         let reference =
             Reference { watch: "w".to_owned(), load: vec![0.3, 1.0], value: vec![1.2, 3.0] };
-        assert!(curve.deviation(&reference).unwrap().error.is_nan());
+        assert_eq!(curve.deviation(&reference).unwrap().error, f64::INFINITY);
     }
 }
