@@ -99,8 +99,8 @@ pub(super) struct WatchSection {
 pub(super) enum Measure {
     /// Energy stored in the wall, mJ.
     StoredEnergy,
-    /// Cube root of the enclosed volume over that at rest.
-    VolumeStretch,
+    /// Cube root of the enclosed volume over that at rest, less 1.
+    VolumeStrain,
 }
 
 /// An axis of space.
@@ -294,7 +294,7 @@ impl PatchConditions<'_> {
                     patch.check_vertex(&format!("[[watch]] {}: at", watch.name), at)?;
                 }
                 Watched::Whole(Measure::StoredEnergy) => {}
-                Watched::Whole(Measure::VolumeStretch) => {
+                Watched::Whole(Measure::VolumeStrain) => {
                     bail!("[[watch]] {}: a patch encloses no volume", watch.name)
                 }
             }
@@ -334,8 +334,8 @@ mod tests {
             format!("{:#}", patch.check().unwrap_err())
         };
         assert_eq!(
-            error(&|p| p.x = "sin(u)".to_owned()),
-            "[part.patch] x: `sin(u)` names `u`, but a formula here knows `s`, `t`, `pi`"
+            error(&|p| p.x = "2*s)".to_owned()),
+            "[part.patch] x: `2*s)` has `)` at place 4, where an operator is wanted"
         );
         assert_eq!(
             error(&|p| p.s = [1.0, 1.0]),

@@ -9,9 +9,7 @@ use crate::math::cpu_seconds;
 use crate::mesh::{Patch, ShellMesh, ShellSettings, Side};
 use crate::model::system::{LoadedSystem, System};
 use crate::model::{DeadLoad, EdgeSupports, PatchLoads, ShellModel, Support};
-use crate::solve::{
-    Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, SolveTimes, follow,
-};
+use crate::solve::{Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, follow};
 use crate::surface::TriangleMesh;
 
 /// A part ready to be loaded.
@@ -28,7 +26,6 @@ pub(super) struct Measured {
     pub unknowns: usize,
     /// Of meshing, assembly and solution, s.
     pub cpu_seconds: f64,
-    pub times: SolveTimes,
     /// Of each watch, over the share of the load.
     pub curves: Vec<WatchCurve>,
     /// The share of the load at which the path first met an instability, or ended.
@@ -70,7 +67,6 @@ impl Shape {
         Ok(Measured {
             unknowns: self.model.free_unknowns(),
             cpu_seconds: seconds,
-            times: solver.times(),
             curves: self
                 .watched
                 .iter()
@@ -96,9 +92,9 @@ impl Shape {
                     |x: &[f64]| self.model.vertex_displacements(x)[vertex as usize].dot(&direction);
                 [along(&point.x), along(&point.rate)]
             }
-            (Watched::Whole(Measure::VolumeStretch), _) => {
+            (Watched::Whole(Measure::VolumeStrain), _) => {
                 let stretch = (point.conjugate / at_rest).cbrt();
-                [stretch, stretch / (3.0 * point.conjugate) * point.conjugate_rate]
+                [stretch - 1.0, stretch / (3.0 * point.conjugate) * point.conjugate_rate]
             }
             _ => [point.stored_energy, point.load * point.conjugate_rate],
         };
@@ -129,6 +125,11 @@ fn of_patch(
     for edge in &scene.edges {
         let place = Side::ALL.iter().position(|side| *side == edge.side);
         loads.supports[place.expect("all sides are listed")] = edge.support()?;
+    }
+    for pin in &scene.pins {
+        let vertex = vertex(pin.at)?;
+        let held = pin.held()?;
+        loads.pins.extend((0..3).filter(|&axis| held[axis]).map(|axis| (vertex, axis)));
     }
     for force in &scene.forces {
         loads.dead.push(match force.acting()? {
