@@ -256,7 +256,7 @@ fn a_stiff_volume_leaves_the_incompressible_law() {
             });
             for k in 0..errors[0].len() {
                 for pair in errors.windows(2) {
-                    // The next power of 1 / kappa bends the rate by 1e-3; 2e-12 is rounding (Yap's terms cancel).
+                    // The next power of 1 / kappa bends the rate by 1e-3; 1e-10 is rounding (Yap's terms cancel).
                     let left = pair[0][k] - 10.0 * pair[1][k];
                     let tolerance = 5e-3 * pair[0][k].abs() + 1e-10;
                     assert!(left.abs() < tolerance, "{rubber:?} {l1} {l2} {k}: {errors:?}");
