@@ -23,10 +23,10 @@ use super::kinematics::Form;
 use crate::math::Vec3;
 use crate::model::system::Inadmissible;
 
-/// The least `cos(theta / 2)` at an edge: neighbours may fold onto each other up to an angle of 23 degrees.
+/// The least `cos(theta / 2)` at an edge: neighbours may close up to an angle of 11 degrees.
 ///
-/// Beyond it the mean of their normals loses its direction.
-const LEAST_HALF_COSINE: f64 = 0.2;
+/// Towards 0 the mean of their normals loses its direction. The sharpest sliver of the reference part has 0.16.
+const LEAST_HALF_COSINE: f64 = 0.1;
 
 /// A triangle and how it is hinged to its neighbours.
 pub(super) struct MidEdge {
@@ -97,7 +97,6 @@ impl MidEdge {
     }
 
     /// The energy's Hessian with respect to the nodes: blocks `[i][j]`, `i >= j`, the others zero.
-    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
     pub(super) fn hessian(&self, energy: &Jet) -> [[Matrix3<f64>; 6]; 6] {
         let mut out = [[Matrix3::zeros(); 6]; 6];
         let slopes = by_turns(&energy.gradient);

@@ -163,11 +163,15 @@ fn scatter(hessian: &[[Matrix3<f64>; 6]; 6], places: &[usize; 6], local: &mut Lo
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use nalgebra::{DMatrix, Isometry3, Matrix2, Rotation2, UnitQuaternion};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::io::stl;
+    use crate::mesh::{ShellMesh, ShellSettings};
     use crate::model::element::kinematics::det;
     use crate::model::material::NeoHookean;
     use crate::model::term_suite::{Case, term_suite};
@@ -294,6 +298,21 @@ mod tests {
         assert!((0.1..0.25).contains(&irregular[2][1]), "{irregular:?}");
     }
 
+    /// Sharp rims meshed with slivers: the membrane stays whole, the bending of the rims softens.
+    #[test]
+    fn reference_part_is_admissible() {
+        let surface =
+            stl::read(Path::new("tests/data/basic_bend.stl"), stl::WELD_TOLERANCE).unwrap();
+        let mesh = ShellMesh::new(surface, &ShellSettings::default()).unwrap();
+        let patches = mid_edge_patches(&mesh.surface.triangles, &mesh.rings);
+        let positions = &mesh.surface.positions;
+        let shell = MidEdgeShell::new(&patches, positions, mesh.thickness, NEO_HOOKEAN).unwrap();
+        // Recorded from this code, to notice a change: 1.1 % creased. The volume is t A up to the curvature's square.
+        assert!((0.005..0.02).contains(&shell.creased_share()), "{}", shell.creased_share());
+        let flat = mesh.surface.area() * mesh.thickness;
+        assert!((shell.volume() / flat - 1.0).abs() < 1e-3, "{}", shell.volume());
+    }
+
     #[test]
     fn collapsed_and_folded_elements_are_inadmissible() {
         let flat = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]]
@@ -305,9 +324,9 @@ mod tests {
             x[5] = Vec3::new(1.0, -turn.cos(), turn.sin());
             shell.energy(0, &x)
         };
-        assert!(folded(2.7).is_ok() && folded(-2.7).is_ok());
+        assert!(folded(2.9).is_ok() && folded(-2.9).is_ok());
         let too_far = Err(Inadmissible("two elements fold onto each other"));
-        assert_eq!([folded(2.8), folded(3.14159), folded(-2.8)], [too_far; 3]);
+        assert_eq!([folded(2.98), folded(3.13), folded(-2.98)], [too_far; 3]);
 
         let mut collapsed = flat;
         collapsed[2] = collapsed[1] * 0.5;
