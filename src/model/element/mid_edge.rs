@@ -23,10 +23,10 @@ use super::kinematics::Form;
 use crate::math::Vec3;
 use crate::model::system::Inadmissible;
 
-/// The least `cos(theta / 2)` at an edge: neighbours may fold onto each other up to an angle of 23 degrees.
+/// The least `cos(theta / 2)` at an edge: neighbours may close up to an angle of 11 degrees.
 ///
-/// Beyond it the mean of their normals loses its direction.
-const LEAST_HALF_COSINE: f64 = 0.2;
+/// Towards 0 the mean of their normals loses its direction. The sharpest sliver of the reference part has 0.16.
+const LEAST_HALF_COSINE: f64 = 0.1;
 
 /// A triangle and how it is hinged to its neighbours.
 pub(super) struct MidEdge {
@@ -97,7 +97,6 @@ impl MidEdge {
     }
 
     /// The energy's Hessian with respect to the nodes: blocks `[i][j]`, `i >= j`, the others zero.
-    #[expect(clippy::needless_range_loop, reason = "indices of tensors")]
     pub(super) fn hessian(&self, energy: &Jet) -> [[Matrix3<f64>; 6]; 6] {
         let mut out = [[Matrix3::zeros(); 6]; 6];
         let slopes = by_turns(&energy.gradient);
@@ -147,10 +146,10 @@ impl MidEdge {
         }
         for (i, hinge) in self.hinges.iter().enumerate() {
             let nodes = nodes_of_hinge(i);
-            let of_turn = hinge.hessian();
+            let of_turn = hinge.hessian(slopes[3 + i]);
             for (r, &row) in nodes.iter().enumerate() {
                 for (c, &column) in nodes.iter().enumerate().take(r + 1) {
-                    let block = slopes[3 + i] * of_turn[r][c];
+                    let block = of_turn[r][c];
                     if row >= column {
                         out[row][column] += block;
                     } else {
@@ -224,7 +223,7 @@ impl Hinge {
         [-end - apex - tip, end, apex, tip]
     }
 
-    /// The Hessian of `q` at `[start, end, apex, tip]`: blocks `[i][j]`, `i >= j`, the others zero.
+    /// The Hessian of `scale q` at `[start, end, apex, tip]`: blocks `[i][j]`, `i >= j`, the others zero.
     ///
     /// With `d`, `f`, `g` the ways from the start to the end, the apex and the tip, `t` along the edge of length `l`,
     /// `n`, `c` the normal and the outward direction of a wing of height `h` (primed: the neighbour's):
@@ -236,15 +235,16 @@ impl Hinge {
     ///     - (2 / l) ((t . phi) (F . dd) + (t . gamma) (G . dd))
     ///     - (1 / l^2) (h (c . dd) (F . dd) + h' (c' . dd) (G . dd))
     /// ```
-    fn hessian(&self) -> [[Matrix3<f64>; 4]; 4] {
-        let Self { sine, cosine, length, along, own, other, .. } = self;
-        let [apex, tip] = self.forces();
+    fn hessian(&self, scale: f64) -> [[Matrix3<f64>; 4]; 4] {
+        let Self { length, along, own, other, .. } = self;
+        let [sine, cosine] = [scale * self.sine, scale * self.cosine];
+        let [apex, tip] = self.forces().map(|force| scale * force);
 
         let phi_phi = (-1.5 * sine / own.height * own.normal) * own.normal.transpose();
-        let bent = (0.5 * sine * own.normal + *cosine * own.outward) / other.height;
+        let bent = (0.5 * sine * own.normal + cosine * own.outward) / other.height;
         let gamma_phi = other.normal * bent.transpose();
         let bent = (own.height / other.height.powi(2))
-            * (0.25 * sine * other.normal - *cosine * other.outward);
+            * (0.25 * sine * other.normal - cosine * other.outward);
         let gamma_gamma = plus_transposed(other.normal * bent.transpose());
         let turned = -along / *length;
         let d_phi = apex * turned.transpose();

@@ -163,11 +163,16 @@ fn scatter(hessian: &[[Matrix3<f64>; 6]; 6], places: &[usize; 6], local: &mut Lo
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use nalgebra::{DMatrix, Isometry3, Matrix2, Rotation2, UnitQuaternion};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::io::stl;
+    use crate::mesh::{ShellMesh, ShellSettings};
+    use crate::model::element::kinematics::det;
     use crate::model::material::NeoHookean;
     use crate::model::term_suite::{Case, term_suite};
     use crate::model::test_shells::{TestShell, irregular_sphere};
@@ -247,41 +252,90 @@ mod tests {
         energy / point.energy([metric, [-k, 0.0, 0.0]], &NEO_HOOKEAN).unwrap()
     }
 
+    /// Of second order in the step, whatever the direction of the roll.
     #[test]
     fn rolled_plate_has_the_bending_energy_of_its_curvature() {
-        let (k, thickness) = (0.1, 2.0);
         for angle in [0.0, 0.4, 1.1, 2.5] {
-            let errors =
-                [1.0, 0.5, 0.25].map(|step| (rolled(step, angle, k, thickness) - 1.0).abs());
-            println!("{angle} {errors:?}");
+            let errors = [1.0, 0.5, 0.25].map(|step| (rolled(step, angle, 0.1, 2.0) - 1.0).abs());
+            assert!(errors[2] < 1e-4, "{errors:?}");
+            for pair in errors.windows(2) {
+                assert!((pair[0] / pair[1]).log2() > 1.95, "{errors:?}");
+            }
         }
     }
 
-    fn sphere_curvature(mesh: &TriangleMesh) -> [f64; 3] {
-        let rings = Rings::new(mesh.positions.len(), &mesh.triangles).unwrap();
-        let (mut sum, mut squares, mut area, mut worst) = (0.0, 0.0, 0.0, 0.0_f64);
-        for patch in mid_edge_patches(&mesh.triangles, &rings) {
-            let geometry = MidEdge::new(&patch.map(|v| mesh.positions[v as usize])).unwrap();
-            let [[a11, a22, a12], [b11, b22, b12]] = geometry.forms();
-            let mean = -(a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / (a11 * a22 - a12 * a12) / 2.0;
-            sum += mean * geometry.area();
-            squares += (mean - 1.0).powi(2) * geometry.area();
+    /// The mean curvature of a unit sphere seen from outside: the error of its mean, and its standard error.
+    fn curvature_errors(sphere: &TriangleMesh) -> [f64; 2] {
+        let rings = Rings::new(sphere.positions.len(), &sphere.triangles).unwrap();
+        let (mut area, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        for patch in mid_edge_patches(&sphere.triangles, &rings) {
+            let geometry = MidEdge::new(&patch.map(|v| sphere.positions[v as usize])).unwrap();
+            let [a, b] = geometry.forms();
+            let mean = -(a[1] * b[0] + a[0] * b[1] - 2.0 * a[2] * b[2]) / (2.0 * det(a));
             area += geometry.area();
-            worst = worst.max((mean - 1.0).abs());
+            sum += (mean - 1.0) * geometry.area();
+            squares += (mean - 1.0).powi(2) * geometry.area();
         }
-        [sum / area - 1.0, (squares / area).sqrt(), worst]
+        [(sum / area).abs(), (squares / area).sqrt()]
+    }
+
+    /// Spheres of 42, 162, 642 vertices. In the mean the curvature is of second order on any mesh; element by
+    /// element only on regular ones, and then of less. With valences 4..8 it stays wrong by a fifth.
+    #[test]
+    fn spheres_have_their_curvature() {
+        let mut chance = ChaCha8Rng::seed_from_u64(3);
+        let regular = [1, 2, 3].map(|n| curvature_errors(&TriangleMesh::sphere(1.0, n)));
+        let irregular = [(1, 12), (2, 50), (3, 200)]
+            .map(|(n, flips)| curvature_errors(&irregular_sphere(n, flips, &mut chance)));
+        for errors in [regular, irregular] {
+            assert!(errors[2][0] < 4e-3, "{errors:?}");
+            for pair in errors.windows(2) {
+                assert!((pair[0][0] / pair[1][0]).log2() > 1.9, "{errors:?}");
+            }
+        }
+        assert!((regular[1][1] / regular[2][1]).log2() > 1.3, "{regular:?}");
+        // Recorded from this code, to notice a change.
+        assert!((0.1..0.25).contains(&irregular[2][1]), "{irregular:?}");
+    }
+
+    /// Sharp rims meshed with slivers: the membrane stays whole, the bending of the rims softens.
+    #[test]
+    fn reference_part_is_admissible() {
+        let surface =
+            stl::read(Path::new("tests/data/basic_bend.stl"), stl::WELD_TOLERANCE).unwrap();
+        let mesh = ShellMesh::new(surface, &ShellSettings::default()).unwrap();
+        let patches = mid_edge_patches(&mesh.surface.triangles, &mesh.rings);
+        let positions = &mesh.surface.positions;
+        let shell = MidEdgeShell::new(&patches, positions, mesh.thickness, NEO_HOOKEAN).unwrap();
+        // Recorded from this code, to notice a change: 1.1 % creased. The volume is t A up to the curvature's square.
+        assert!((0.005..0.02).contains(&shell.creased_share()), "{}", shell.creased_share());
+        let flat = mesh.surface.area() * mesh.thickness;
+        assert!((shell.volume() / flat - 1.0).abs() < 1e-3, "{}", shell.volume());
     }
 
     #[test]
-    fn spheres_have_their_curvature() {
-        for n in 1..=4 {
-            println!("ico {n} {:?}", sphere_curvature(&TriangleMesh::sphere(1.0, n)));
-        }
-        for n in 1..=4 {
-            let mut chance = ChaCha8Rng::seed_from_u64(3);
-            let mesh = irregular_sphere(n, 10 * 4_usize.pow(n as u32) / 3, &mut chance);
-            println!("irr {n} {:?}", sphere_curvature(&mesh));
-        }
+    fn collapsed_and_folded_elements_are_inadmissible() {
+        let flat = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]]
+            .map(|[x, y]| Vec3::new(x, y, 0.0));
+        let shell = MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &flat, 0.01, NEO_HOOKEAN).unwrap();
+        // The neighbour below the edge from corner 0 to corner 1 turns about that edge.
+        let folded = |turn: f64| {
+            let mut x = flat;
+            x[5] = Vec3::new(1.0, -turn.cos(), turn.sin());
+            shell.energy(0, &x)
+        };
+        assert!(folded(2.9).is_ok() && folded(-2.9).is_ok());
+        let too_far = Err(Inadmissible("two elements fold onto each other"));
+        assert_eq!([folded(2.98), folded(3.13), folded(-2.98)], [too_far; 3]);
+
+        let mut collapsed = flat;
+        collapsed[2] = collapsed[1] * 0.5;
+        let none = Err(Inadmissible("an element has collapsed"));
+        assert_eq!(shell.energy(0, &collapsed), none);
+        collapsed[2] = Vec3::repeat(f64::NAN);
+        assert_eq!(shell.energy(0, &collapsed), none);
+        let rejected = MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &collapsed, 0.01, NEO_HOOKEAN);
+        assert_eq!(rejected.unwrap_err().reason, "degenerate_element");
     }
 
     #[test]
@@ -307,7 +361,10 @@ mod tests {
             // Only the lower triangle is read.
             let mut eigenvalues = k.symmetric_eigenvalues().as_slice().to_vec();
             eigenvalues.sort_unstable_by(f64::total_cmp);
-            println!("{:?} {}", &eigenvalues[..8], eigenvalues[3 * n - 1]);
+            let largest = eigenvalues[3 * n - 1];
+            // The six rigid motions, to rounding; the softest bending mode is at 7e-3 or more.
+            assert!(eigenvalues[..6].iter().all(|e| e.abs() < 1e-14 * largest), "{eigenvalues:?}");
+            assert!(eigenvalues[6] > 5e-3 * largest, "{eigenvalues:?}");
         }
     }
 }
