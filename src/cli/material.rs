@@ -226,14 +226,14 @@ const LARGEST_EXPONENT: f64 = 100.0;
 /// Checks that `value` is a positive number of a size that mm, N and MPa can have.
 pub(super) fn positive(what: &str, value: f64) -> anyhow::Result<f64> {
     if value > 0.0 && value.is_finite() {
-        return within(what, value, 1e-9, 1e9);
+        return within(what, value, 1e-9, 1e12);
     }
     bail!("{what} is {value:?}, but it must be a positive number")
 }
 
 /// Checks that `value`, of either sign, has a size that MPa can have.
 fn coefficient(what: &str, value: f64) -> anyhow::Result<f64> {
-    within(what, value, -1e9, 1e9)
+    within(what, value, -1e12, 1e12)
 }
 
 /// Checks that `value` lies from `least` to `most`.

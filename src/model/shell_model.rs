@@ -41,6 +41,7 @@ pub struct ShellModel {
     assembler: Assembler,
     dirichlet: Dirichlet,
     force_scale: f64,
+    energy_rounding: f64,
     surface: SampledSurface,
 }
 
@@ -152,9 +153,12 @@ impl ShellModel {
         if !loads.dead.is_empty() {
             model.forces = forces;
         }
-        // A thin wall under bending answers to forces far below its membrane's.
+        // A thin wall under bending answers to forces far below its membrane's, down to what rounding leaves: strains
+        // of some roundings of size / element, of which the tolerance's 1e-9 makes 1e-5.
         if loads.pressure == 0.0 && loads.moments.is_empty() && largest > 0.0 {
-            model.force_scale = model.force_scale.min(largest);
+            let size = patch.surface.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
+            let rounding = 1e-5 * material.young_modulus() * patch.thickness * size;
+            model.force_scale = model.force_scale.min(largest.max(rounding));
         }
         Ok(model)
     }
@@ -167,7 +171,8 @@ impl ShellModel {
         material: &Material,
     ) -> Self {
         let Discretization { reference, ties, surface, .. } = parts;
-        let element_size = (parts.areas.iter().sum::<f64>() / parts.areas.len() as f64).sqrt();
+        let area = parts.areas.iter().sum::<f64>();
+        let element_size = (area / parts.areas.len() as f64).sqrt();
         let tied = |term| Tied::new(term, &ties, &reference);
         let wall = Tied::new(parts.wall, &ties, &reference);
         let chamber = chamber.map(tied);
@@ -194,6 +199,8 @@ impl ShellModel {
             planes_lifted: false,
             dirichlet: Dirichlet::new(assembler.pattern(), held),
             force_scale: material.shear_modulus() * parts.thickness * element_size,
+            // Invariants of an undeformed wall carry a rounding of 1e-16 each, of either sign.
+            energy_rounding: 1e-17 * material.young_modulus() * parts.thickness * area,
             surface,
             ties,
             wall,
@@ -374,6 +381,10 @@ impl System for ShellModel {
 
     fn force_scale(&self) -> f64 {
         self.force_scale
+    }
+
+    fn energy_rounding(&self) -> f64 {
+        self.energy_rounding
     }
 }
 

@@ -71,6 +71,11 @@ pub trait System {
     /// The force against which a residual is small, N.
     fn force_scale(&self) -> f64;
 
+    /// What rounding makes of an energy that vanishes, mJ: differences below it mean nothing.
+    fn energy_rounding(&self) -> f64 {
+        0.0
+    }
+
     /// The number of negative pivots of the tangent at a stable equilibrium (0 unless there are multipliers).
     fn stable_negative_pivots(&self) -> usize {
         0

@@ -39,7 +39,7 @@ pub(super) fn search(
     if slope > 0.0 || slope.is_nan() {
         return None;
     }
-    let slack = ROUNDING * energy.abs();
+    let slack = ROUNDING * energy.abs() + system.energy_rounding();
     let mut length = system.longest_step(x, dx);
     for _ in 0..=HALVINGS {
         for ((trial, x), dx) in trial.iter_mut().zip(x).zip(dx) {

@@ -74,6 +74,10 @@ impl System for Observed<'_> {
         self.system.force_scale()
     }
 
+    fn energy_rounding(&self) -> f64 {
+        self.system.energy_rounding()
+    }
+
     fn stable_negative_pivots(&self) -> usize {
         self.system.stable_negative_pivots()
     }
