@@ -201,7 +201,7 @@ fn measure(
     let mut shape = Shape::new(&scene, &source)?;
     let measured = shape.measure(&scene, solver, start)?;
     if measured.walked.points.is_empty() {
-        bail!("not stable at rest");
+        bail!("not stable at rest: {}", measured.walked.ending.name().replace('_', " "));
     }
     Ok(measured)
 }
