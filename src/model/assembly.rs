@@ -137,11 +137,8 @@ impl Assembler {
                 slots: &slots.0[first..],
                 evaluations,
             };
-            let target = Target {
-                first_node: 0,
-                residual: &mut *residual,
-                tangent: tangent.as_deref_mut(),
-            };
+            let target =
+                Target { first_node: 0, residual: &mut *residual, tangent: tangent.as_deref_mut() };
             if evaluations.len() == 1 {
                 chunk.add_to(target);
             } else {
@@ -162,8 +159,7 @@ impl Assembler {
         mut finish: impl FnMut(&Self, usize, &[Evaluation]),
     ) -> Result<f64, Inadmissible> {
         let stencils = term.stencils();
-        let alone =
-            stencils.len() < 2 * LEAST_FOR_A_THREAD || rayon::current_num_threads() == 1;
+        let alone = stencils.len() < 2 * LEAST_FOR_A_THREAD || rayon::current_num_threads() == 1;
         let size = if alone { 1 } else { CHUNK.min(stencils.len()) };
         let mut evaluations = std::mem::take(&mut self.evaluations);
         evaluations.resize_with(size.max(evaluations.len()), Evaluation::default);
@@ -239,10 +235,7 @@ impl Chunk<'_> {
         }
         let middle = target.first_node + nodes / 2;
         let (before, after) = target.split(middle, self.starts);
-        rayon::join(
-            || self.add_in_parallel(before, least),
-            || self.add_in_parallel(after, least),
-        );
+        rayon::join(|| self.add_in_parallel(before, least), || self.add_in_parallel(after, least));
     }
 
     fn add_to(self, mut target: Target<'_>) {

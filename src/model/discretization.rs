@@ -60,9 +60,7 @@ impl Discretization {
                 (control, Wall::Loop(wall), limit, areas)
             }
             ShellElement::MidEdge => {
-                // The smooth volume: facets and their halves, extrapolated.
-                let halves = ChamberPressure::new(&limit, Vec::new()).volume(&control);
-                let smooth = (4.0 * halves - mesh.surface.volume()) / 3.0;
+                let smooth = ChamberPressure::new(&limit, Vec::new()).volume(&control);
                 let reference = volume_matched(&mesh.surface, smooth)?;
                 let hinges = hinges(triangles, &BTreeMap::new());
                 let wall = MidEdgeShell::new(&hinges, &reference, thickness, material.clone())?;

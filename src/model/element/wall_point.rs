@@ -18,7 +18,7 @@
 
 use super::jet::{Jet, VARIABLES};
 use super::kinematics::{Form, det, shifter, third_form};
-use crate::model::material::{OfInvariants, Material};
+use crate::model::material::{Material, OfInvariants};
 use crate::model::system::Inadmissible;
 
 /// Abscissae and weights of the three-point Gauss rule on [-1, 1]; 0.6f64.sqrt() to the last digit.
@@ -223,10 +223,8 @@ impl ThirdForm {
         for (row, one) in hessian.iter_mut().zip(&e) {
             let [[p11, p12], [p21, p22]] = product(&product(&self.inverse, one), &twice);
             for (entry, other) in row.iter_mut().zip(&e) {
-                *entry += p11 * other[0][0]
-                    + p12 * other[0][1]
-                    + p21 * other[1][0]
-                    + p22 * other[1][1];
+                *entry +=
+                    p11 * other[0][0] + p12 * other[0][1] + p21 * other[1][0] + p22 * other[1][1];
             }
         }
     }
