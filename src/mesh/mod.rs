@@ -1,9 +1,11 @@
 //! Which cells carry the computation? The shell mesh: control points, stencils, clamp and tip.
 
 mod from_field;
+mod patch;
 mod rings;
 mod shell;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
+pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
-pub use shell::{ShellMesh, ShellSettings};
+pub use shell::{ShellElement, ShellMesh, ShellSettings};

@@ -3,7 +3,7 @@
 use crate::surface::{HalfEdges, MeshDefect};
 
 /// The neighbours of every vertex, counter-clockwise seen from outside.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Rings {
     rings: Vec<Vec<u32>>,
 }
@@ -16,6 +16,11 @@ impl Rings {
     pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, MeshDefect> {
         let adjacency = HalfEdges::new(vertices, triangles)?;
         Ok(Self { rings: (0..vertices as u32).map(|v| adjacency.ring(v).collect()).collect() })
+    }
+
+    /// Rings already in order.
+    pub(super) fn from_ordered(rings: Vec<Vec<u32>>) -> Self {
+        Self { rings }
     }
 
     /// The number of vertices.

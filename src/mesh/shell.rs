@@ -6,6 +6,17 @@ use super::{Rings, Stencil};
 use crate::math::{Rejected, Room};
 use crate::surface::TriangleMesh;
 
+/// The finite element of a shell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShellElement {
+    /// Loop's subdivision surface: the accurate one.
+    #[default]
+    Loop,
+    /// Flat triangles whose normals are averaged across edges: the draft, half the price for each unknown.
+    MidEdge,
+}
+
 /// How a mid-surface becomes a shell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -16,12 +27,14 @@ pub struct ShellSettings {
     pub clamp_height: f64,
     /// Length of the tip set below the highest vertex, as a fraction of the length along z.
     pub tip_fraction: f64,
+    /// `loop` or `mid-edge`.
+    pub element: ShellElement,
 }
 
 impl Default for ShellSettings {
     /// A wall of 1.6 mm clamped over 1.5 thicknesses, as in the public Abaqus decks of the 2022 work.
     fn default() -> Self {
-        Self { thickness: 1.6, clamp_height: 1.5, tip_fraction: 0.05 }
+        Self { thickness: 1.6, clamp_height: 1.5, tip_fraction: 0.05, element: ShellElement::Loop }
     }
 }
 
@@ -36,6 +49,8 @@ pub struct ShellMesh {
     pub stencils: Vec<Stencil>,
     /// Wall thickness, mm.
     pub thickness: f64,
+    /// The finite element.
+    pub element: ShellElement,
     /// Vertices that are held.
     pub clamp: Vec<u32>,
     /// Vertices whose mean motion is the motion of the tip.
@@ -80,6 +95,7 @@ impl ShellMesh {
             rings,
             stencils,
             thickness: settings.thickness,
+            element: settings.element,
             clamp,
             tip,
             base,

@@ -38,6 +38,12 @@ impl Dirichlet {
         dirichlet
     }
 
+    /// How many unknowns are held.
+    #[must_use]
+    pub fn held(&self) -> usize {
+        self.held.len()
+    }
+
     /// Zeroes the held entries of a gradient.
     pub fn apply_to_residual(&self, residual: &mut [f64]) {
         for &unknown in &self.held {

@@ -6,6 +6,8 @@
 pub mod assembly;
 pub mod contact;
 pub mod dirichlet;
+mod discretization;
+mod edge_support;
 pub mod element;
 pub mod load;
 pub mod local;
@@ -16,5 +18,8 @@ pub mod system;
 mod term_suite;
 #[cfg(test)]
 mod test_shells;
+mod tie;
 
-pub use shell_model::{ShellModel, Support};
+pub use edge_support::{EdgeSupport, EdgeSupports};
+pub use load::DeadLoad;
+pub use shell_model::{PatchLoads, ShellModel, Support};

@@ -1,7 +1,7 @@
-//! The model of one actuator: a wall, the pressure in its chamber, and the planes it may touch.
+//! The model of one part: a wall, the loads on it, and the planes it may touch.
 //!
 //! ```text
-//! E(u) = W(u) - p V(u) + barriers(u)       u = displacement of the control points
+//! E(u) = W(u) - p V(u) - f . u - moments(u) + barriers(u)       u = displacement of the nodes
 //! ```
 //!
 //! What a scene does not list is not assembled: without planes there is no contact term at all.
@@ -9,34 +9,42 @@
 use super::assembly::{Assembler, Slots};
 use super::contact::{PlaneContact, PlaneSettings};
 use super::dirichlet::Dirichlet;
-use super::element::{LoopBasis, LoopShell, Sample, fitted_control_points, samples};
-use super::load::ChamberPressure;
+use super::discretization::{Discretization, Wall};
+use super::edge_support::EdgeSupports;
+use super::element::SampledSurface;
+use super::load::{ChamberPressure, DeadLoad, EdgeMoment, Loaded};
 use super::local::Term;
 use super::material::Material;
 use super::system::{Inadmissible, LoadedSystem, SparsityPattern, System};
+use super::tie::{Tied, Ties};
 use crate::math::{Rejected, Vec3};
-use crate::mesh::ShellMesh;
+use crate::mesh::{Patch, ShellElement, ShellMesh, Side};
 
-/// The energy of a pressurised shell over the displacements of its control points.
+/// The energy of a loaded shell over the displacements of its nodes.
 #[derive(Clone, Debug)]
 pub struct ShellModel {
-    /// Control points at rest, mm.
+    /// Nodes at rest, mm.
     reference: Vec<Vec3>,
-    wall: LoopShell,
-    chamber: ChamberPressure,
+    ties: Ties,
+    wall: Tied<Wall>,
+    chamber: Option<Tied<ChamberPressure>>,
+    /// Pressure at a load of 1, MPa.
+    pressure: f64,
+    /// Dead forces at a load of 1, by node, N; empty where there are none.
+    forces: Vec<Vec3>,
+    moments: Option<(Tied<EdgeMoment>, Slots)>,
+    load: f64,
     planes: Vec<(PlaneContact, Slots)>,
     planes_lifted: bool,
     wall_slots: Slots,
+    chamber_slots: Slots,
     assembler: Assembler,
     dirichlet: Dirichlet,
     force_scale: f64,
-    positions: Vec<Vec3>,
-    limit: Vec<Sample>,
-    facets: Vec<[u32; 3]>,
-    vertices: usize,
+    surface: SampledSurface,
 }
 
-/// What a model holds fixed.
+/// What a model of a closed part holds fixed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Support {
     /// The mesh's clamp: its vertices and their tangent planes do not move, because their rings are held too.
@@ -45,8 +53,23 @@ pub enum Support {
     Unknowns(Vec<u32>),
 }
 
+/// How a patch is held and loaded; the load factor multiplies all loads.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PatchLoads {
+    /// How each side is held, in the order of [`Side::ALL`].
+    pub supports: EdgeSupports,
+    /// Single components of the displacement (vertex, axis) held at 0, against rigid motions that the sides leave.
+    pub pins: Vec<(u32, usize)>,
+    /// Pressure on the side from which the normal `x,s cross x,t` points away, following the wall, MPa.
+    pub pressure: f64,
+    /// Loads that keep their direction.
+    pub dead: Vec<DeadLoad>,
+    /// Moments per length (N mm / mm) along sides; the vector is the axis, to which the side is parallel and stays so.
+    pub moments: Vec<(Side, Vec3)>,
+}
+
 impl ShellModel {
-    /// The wall of `mesh` made of `material`, held by `support`, with the planes of the scene.
+    /// The wall of `mesh` made of `material`, held by `support`, with the planes of the scene; its load is the pressure.
     ///
     /// # Errors
     /// [`Rejected`] when a fold is tighter than half the wall, or the limit surface cannot follow the mesh.
@@ -56,62 +79,146 @@ impl ShellModel {
         support: &Support,
         planes: &[PlaneSettings],
     ) -> Result<Self, Rejected> {
-        let bases = LoopBasis::of_stencils(&mesh.stencils);
-        let reference = fitted_control_points(mesh, &bases)?;
-        let wall =
-            LoopShell::new(&mesh.stencils, &bases, &reference, mesh.thickness, material.clone())?;
-        let chamber = ChamberPressure::new(mesh, &bases);
-        let planes: Vec<PlaneContact> = planes
-            .iter()
-            .map(|&plane| PlaneContact::new(mesh, &bases, &reference, plane))
-            .collect();
-        // Every plane's stencil lies within an element's, so the wall alone makes the pattern.
-        let assembler = Assembler::new(reference.len(), &[&wall]);
+        let parts = Discretization::closed(mesh, material)?;
         let held = match support {
             Support::Clamp => {
                 let near = |&v: &u32| mesh.rings.ring(v).iter().copied().chain([v]);
-                mesh.clamp
-                    .iter()
-                    .flat_map(near)
-                    .flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2])
-                    .collect()
+                let nodes = mesh.clamp.iter().flat_map(near);
+                nodes.flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
             }
             Support::Unknowns(unknowns) => unknowns.clone(),
         };
-        let wall_slots = assembler.slots(&wall);
-        let planes = planes.into_iter().map(|plane| {
-            let slots = assembler.slots(&plane);
+        let planes: Vec<PlaneContact> = planes
+            .iter()
+            .map(|&plane| {
+                PlaneContact::new(&parts.surface, &parts.reference, mesh.thickness, plane)
+            })
+            .collect();
+        let chamber = ChamberPressure::new(&parts.points, Vec::new());
+        let mut model = Self::assembled(parts, Some(chamber), None, held, material);
+        model.pressure = 1.0;
+        let slots = planes.into_iter().map(|plane| {
+            let slots = model.assembler.slots(&plane);
             (plane, slots)
         });
-        let element_size = (mesh.surface.area() / mesh.surface.triangles.len() as f64).sqrt();
-        let (limit, facets) = samples(&mesh.stencils, &bases, &mesh.rings);
-        Ok(Self {
-            planes: planes.collect(),
+        model.planes = slots.collect();
+        Ok(model)
+    }
+
+    /// An open patch under `loads`; its load is the factor that multiplies them all.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a support or a load does not fit the patch.
+    pub fn of_patch(
+        patch: &Patch,
+        element: ShellElement,
+        material: &Material,
+        loads: &PatchLoads,
+    ) -> Result<Self, Rejected> {
+        let parts = Discretization::of_patch(patch, element, &loads.supports, material)?;
+        let edges = patch.boundary_edges();
+        let loaded = Loaded {
+            reference: &parts.reference,
+            points: &parts.points,
+            surface: &parts.surface,
+            areas: &parts.areas,
+            edges: &edges,
+            triangles: &patch.surface.triangles,
+        };
+        let mut forces = loaded.nodal_forces(&loads.dead);
+        let chamber = if loads.pressure == 0.0 {
+            None
+        } else {
+            let fans = parts.fans(patch, &loads.supports, |edge| loaded.points_of(edge))?;
+            Some(ChamberPressure::new(&parts.points, fans))
+        };
+        let (stencils, moment_edges) = loads
+            .moments
+            .iter()
+            .map(|&(side, per_length)| {
+                parts.moment_edges(patch, side, per_length, |edge| loaded.length(edge))
+            })
+            .fold((Vec::new(), Vec::new()), |mut all, (stencils, edges)| {
+                all.0.extend(stencils);
+                all.1.extend(edges);
+                all
+            });
+        let moments = (!stencils.is_empty()).then(|| EdgeMoment::new(stencils, moment_edges));
+        parts.ties.reduce(&mut forces);
+        let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        let pins = loads.pins.iter().map(|&(vertex, axis)| 3 * vertex + axis as u32).collect();
+        let mut model = Self::assembled(parts, chamber, moments, pins, material);
+        model.pressure = loads.pressure;
+        if !loads.dead.is_empty() {
+            model.forces = forces;
+        }
+        // A thin wall under bending answers to forces far below its membrane's.
+        if loads.pressure == 0.0 && loads.moments.is_empty() && largest > 0.0 {
+            model.force_scale = model.force_scale.min(largest);
+        }
+        Ok(model)
+    }
+
+    fn assembled(
+        parts: Discretization,
+        chamber: Option<ChamberPressure>,
+        moments: Option<EdgeMoment>,
+        mut held: Vec<u32>,
+        material: &Material,
+    ) -> Self {
+        let Discretization { reference, ties, surface, .. } = parts;
+        let element_size = (parts.areas.iter().sum::<f64>() / parts.areas.len() as f64).sqrt();
+        let tied = |term| Tied::new(term, &ties, &reference);
+        let wall = Tied::new(parts.wall, &ties, &reference);
+        let chamber = chamber.map(tied);
+        let moments = moments.map(|term| Tied::new(term, &ties, &reference));
+        // The stencils of all other terms lie within those of elements, so the wall alone makes the pattern.
+        let assembler = Assembler::new(reference.len(), &[&wall]);
+        let mut is_used = vec![false; reference.len()];
+        wall.stencils().iter().flatten().for_each(|&v| is_used[v as usize] = true);
+        held.extend(parts.held);
+        held.extend(
+            (0..3 * reference.len() as u32).filter(|unknown| !is_used[*unknown as usize / 3]),
+        );
+        Self {
+            wall_slots: assembler.slots(&wall),
+            chamber_slots: chamber.as_ref().map(|term| assembler.slots(term)).unwrap_or_default(),
+            moments: moments.map(|term| {
+                let slots = assembler.slots(&term);
+                (term, slots)
+            }),
+            pressure: 0.0,
+            forces: Vec::new(),
+            load: 0.0,
+            planes: Vec::new(),
             planes_lifted: false,
-            wall_slots,
             dirichlet: Dirichlet::new(assembler.pattern(), held),
-            force_scale: material.shear_modulus() * mesh.thickness * element_size,
-            positions: reference.clone(),
-            vertices: reference.len(),
-            reference,
+            force_scale: material.shear_modulus() * parts.thickness * element_size,
+            surface,
+            ties,
             wall,
             chamber,
             assembler,
-            limit,
-            facets,
-        })
+            reference,
+        }
     }
 
-    /// The number of unknowns.
+    /// The number of unknowns, held ones included.
     #[must_use]
     pub fn unknowns(&self) -> usize {
         3 * self.reference.len()
     }
 
-    /// The volume inside the mid-surface at displacement `u`, mm^3.
+    /// The number of unknowns that may move.
+    #[must_use]
+    pub fn free_unknowns(&self) -> usize {
+        self.unknowns() - self.dirichlet.held()
+    }
+
+    /// The volume inside the mid-surface at displacement `u`, mm^3; 0 where there is no chamber.
     #[must_use]
     pub fn volume(&self, u: &[f64]) -> f64 {
-        self.chamber.volume(&self.displaced(u))
+        self.chamber.as_ref().map_or(0.0, |chamber| chamber.inner().volume(&self.displaced(u)))
     }
 
     /// Takes the planes of the scene away, or puts them back; only [`Self::smallest_gap`] still sees lifted planes.
@@ -122,7 +229,7 @@ impl ShellModel {
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
     #[must_use]
     pub fn creased_share(&self) -> f64 {
-        self.wall.creased_share()
+        self.wall.inner().creased_share()
     }
 
     /// The force with which the part presses on the planes of the scene, N.
@@ -145,30 +252,38 @@ impl ShellModel {
         self.planes.iter().map(|(p, _)| p.smallest_gap(&positions)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Displacements of the mesh's vertices on the limit surface, mm.
+    /// Displacements of the mesh's vertices, mm.
     #[must_use]
     pub fn vertex_displacements(&self, u: &[f64]) -> Vec<Vec3> {
-        let u: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
-        self.limit[..self.vertices].iter().map(|sample| sample.point(&u)).collect()
+        let mut u: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
+        self.ties.displace(&mut u);
+        self.surface.samples[..self.surface.vertices].iter().map(|s| s.point(&u)).collect()
     }
 
-    /// The limit surface at displacement `u`: its points, and the facets that carry pressure and contact.
+    /// The surface at displacement `u`: its points, and the facets that carry pressure and contact.
     #[must_use]
     pub fn limit_surface(&self, u: &[f64]) -> (Vec<Vec3>, &[[u32; 3]]) {
-        let positions = self.displaced(u);
-        (self.limit.iter().map(|sample| sample.point(&positions)).collect(), &self.facets)
+        (self.surface.at(&self.displaced(u)), &self.surface.facets)
     }
 
+    /// Positions of all nodes, mm.
     fn displaced(&self, u: &[f64]) -> Vec<Vec3> {
+        let mut x: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
+        assert_eq!(x.len(), self.reference.len());
+        self.ties.displace(&mut x);
+        x.iter_mut().zip(&self.reference).for_each(|(x, reference)| *x += reference);
+        x
+    }
+
+    /// Positions as the tied terms take them: at rest, plus the unknowns.
+    fn untied(&self, u: &[f64]) -> Vec<Vec3> {
+        assert_eq!(u.len(), self.unknowns());
         self.reference.iter().zip(u.as_chunks().0).map(|(x, &u)| x + Vec3::from(u)).collect()
     }
 
-    fn displace(&mut self, u: &[f64]) {
-        assert_eq!(u.len(), self.unknowns());
-        let displaced = self.reference.iter().zip(u.as_chunks().0);
-        for (position, (x, &u)) in self.positions.iter_mut().zip(displaced) {
-            *position = x + Vec3::from(u);
-        }
+    /// The work of the dead forces at a load of 1, mJ.
+    fn work_of_forces(&self, u: &[f64]) -> f64 {
+        self.forces.iter().zip(u.as_chunks().0).map(|(f, &u)| f.dot(&Vec3::from(u))).sum()
     }
 
     fn assemble(
@@ -177,18 +292,27 @@ impl ShellModel {
         residual: &mut [f64],
         mut tangent: Option<&mut [f64]>,
     ) -> Result<f64, Inadmissible> {
-        self.displace(u);
+        let positions = self.untied(u);
         residual.fill(0.0);
         if let Some(tangent) = tangent.as_deref_mut() {
             tangent.fill(0.0);
         }
-        let (assembler, positions) = (&mut self.assembler, &self.positions);
+        let mut energy = -self.load * self.work_of_forces(u);
+        for (residual, force) in residual.as_chunks_mut::<3>().0.iter_mut().zip(&self.forces) {
+            *residual = (-self.load * force).into();
+        }
+        let assembler = &mut self.assembler;
         let mut add = |term: &dyn Term, slots: &Slots| {
-            assembler.add(term, slots, positions, residual, tangent.as_deref_mut())
+            assembler.add(term, slots, &positions, residual, tangent.as_deref_mut())
         };
-        let mut energy = add(&self.wall, &self.wall_slots)?;
-        if self.chamber.pressure != 0.0 {
-            energy += add(&self.chamber, &self.wall_slots)?;
+        energy += add(&self.wall, &self.wall_slots)?;
+        if let Some(chamber) = &self.chamber
+            && chamber.inner().pressure != 0.0
+        {
+            energy += add(chamber, &self.chamber_slots)?;
+        }
+        if let Some((moments, slots)) = &self.moments {
+            energy += add(moments, slots)?;
         }
         if !self.planes_lifted {
             for (plane, slots) in &self.planes {
@@ -209,12 +333,18 @@ impl System for ShellModel {
     }
 
     fn energy(&mut self, u: &[f64]) -> Result<f64, Inadmissible> {
-        self.displace(u);
-        let mut energy = self.assembler.energy(&self.wall, &self.positions)?;
-        energy -= self.chamber.pressure * self.chamber.volume(&self.positions);
+        let positions = self.untied(u);
+        let mut energy = self.assembler.energy(&self.wall, &positions)?;
+        energy -= self.load * self.work_of_forces(u);
+        if let Some(chamber) = &self.chamber {
+            energy -= chamber.inner().pressure * self.volume(u);
+        }
+        if let Some((moments, _)) = &self.moments {
+            energy += self.assembler.energy(moments, &positions)?;
+        }
         if !self.planes_lifted {
             for (plane, _) in &self.planes {
-                energy += self.assembler.energy(plane, &self.positions)?;
+                energy += self.assembler.energy(plane, &positions)?;
             }
         }
         Ok(energy)
@@ -249,20 +379,51 @@ impl System for ShellModel {
 
 impl LoadedSystem for ShellModel {
     fn set_load(&mut self, load: f64) {
-        self.chamber.pressure = load;
+        self.load = load;
+        if let Some(chamber) = &mut self.chamber {
+            chamber.inner_mut().pressure = load * self.pressure;
+        }
+        if let Some((moments, _)) = &mut self.moments {
+            moments.inner_mut().load_factor = load;
+        }
     }
 
     fn conjugate(&self, u: &[f64]) -> f64 {
-        self.volume(u)
+        let mut conjugate = self.work_of_forces(u);
+        if self.chamber.is_some() {
+            conjugate += self.pressure * self.volume(u);
+        }
+        if let Some((moments, _)) = &self.moments {
+            conjugate += moments.inner().work(&self.displaced(u));
+        }
+        conjugate
     }
 
     fn load_direction(&self, u: &[f64], direction: &mut [f64]) {
+        let positions = self.displaced(u);
         let mut gradient = vec![Vec3::zeros(); self.reference.len()];
-        self.chamber.add_volume_gradient(&self.displaced(u), &mut gradient);
+        if let Some(chamber) = &self.chamber {
+            chamber.inner().add_volume_gradient(&positions, &mut gradient);
+            gradient.iter_mut().for_each(|gradient| *gradient *= self.pressure);
+        }
+        if let Some((moments, _)) = &self.moments {
+            moments.inner().add_work_gradient(&positions, &mut gradient);
+        }
+        self.ties.reduce(&mut gradient);
+        for (gradient, force) in gradient.iter_mut().zip(&self.forces) {
+            *gradient += force;
+        }
         for (out, gradient) in direction.as_chunks_mut().0.iter_mut().zip(gradient) {
             *out = gradient.into();
         }
         self.dirichlet.apply_to_residual(direction);
+    }
+
+    fn settle(&mut self, u: &[f64]) {
+        let positions = self.displaced(u);
+        if let Some((moments, _)) = &mut self.moments {
+            moments.inner_mut().settle(&positions);
+        }
     }
 }
 

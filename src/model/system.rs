@@ -87,4 +87,9 @@ pub trait LoadedSystem: System {
 
     /// Writes the gradient of the conjugate into `direction [n]`, zero where unknowns are held: `K dx/dload = direction`.
     fn load_direction(&self, x: &[f64], direction: &mut [f64]);
+
+    /// Told of every accepted equilibrium `x [n]`, for loads that count turns.
+    fn settle(&mut self, x: &[f64]) {
+        let _ = x;
+    }
 }

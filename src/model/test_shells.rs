@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::element::{LoopBasis, LoopShell, fitted_control_points};
+use super::element::{ElementPoints, LoopBasis, LoopShell, SampledSurface, fitted_control_points};
 use super::material::Material;
 use crate::math::Vec3;
 use crate::mesh::{Rings, ShellMesh, ShellSettings};
@@ -38,6 +38,14 @@ impl TestShell {
         Self { mesh, bases, reference, deformed }
     }
 
+    pub(super) fn points(&self) -> Vec<ElementPoints> {
+        ElementPoints::of_stencils(&self.mesh.stencils, &self.bases)
+    }
+
+    pub(super) fn surface(&self) -> SampledSurface {
+        SampledSurface::new(&self.mesh.surface.triangles, &self.points(), self.reference.len())
+    }
+
     pub(super) fn wall(&self, material: Material) -> LoopShell {
         let mesh = &self.mesh;
         LoopShell::new(&mesh.stencils, &self.bases, &self.reference, mesh.thickness, material)
@@ -45,18 +53,9 @@ impl TestShell {
     }
 }
 
-/// An egg whose mesh is an icosphere with some edges flipped, then evened out.
+/// An egg on an irregular mesh.
 fn egg(chance: &mut ChaCha8Rng) -> ShellMesh {
-    let mut surface = TriangleMesh::sphere(1.0, 1);
-    flip_edges(&mut surface.triangles, surface.positions.len(), chance);
-    let rings = Rings::new(surface.positions.len(), &surface.triangles).unwrap();
-    for _ in 0..20 {
-        for v in 0..rings.len() {
-            let ring = rings.ring(v as u32);
-            let sum: Vec3 = ring.iter().map(|&w| surface.positions[w as usize]).sum();
-            surface.positions[v] = sum.normalize();
-        }
-    }
+    let mut surface = irregular_sphere(1, 0, chance);
     for x in &mut surface.positions {
         *x = Vec3::new(10.0 * x.x, 9.0 * x.y, (11.0 + x.z) * x.z);
     }
@@ -65,16 +64,36 @@ fn egg(chance: &mut ChaCha8Rng) -> ShellMesh {
     ShellMesh::new(surface, &settings).unwrap()
 }
 
-/// Flips edges at random while valences stay in 4..=8, until both extremes are there.
-fn flip_edges(triangles: &mut [[u32; 3]], vertices: usize, chance: &mut ChaCha8Rng) {
+/// A unit sphere whose mesh is an icosphere with `flips` edges or more flipped, then evened out: valences 4..8.
+pub(super) fn irregular_sphere(
+    subdivisions: usize,
+    flips: usize,
+    chance: &mut ChaCha8Rng,
+) -> TriangleMesh {
+    let mut surface = TriangleMesh::sphere(1.0, subdivisions);
+    flip_edges(&mut surface.triangles, surface.positions.len(), flips, chance);
+    let rings = Rings::new(surface.positions.len(), &surface.triangles).unwrap();
+    for _ in 0..20 {
+        for v in 0..rings.len() {
+            let ring = rings.ring(v as u32);
+            let sum: Vec3 = ring.iter().map(|&w| surface.positions[w as usize]).sum();
+            surface.positions[v] = sum.normalize();
+        }
+    }
+    surface
+}
+
+/// Flips `flips` edges or more at random while valences stay in 4..=8, until both extremes are there.
+fn flip_edges(triangles: &mut [[u32; 3]], vertices: usize, flips: usize, chance: &mut ChaCha8Rng) {
     let valences = |triangles: &[[u32; 3]]| {
         let mut valences = vec![0; vertices];
         triangles.iter().flatten().for_each(|&v| valences[v as usize] += 1);
         valences
     };
+    let mut flipped = 0;
     loop {
         let now = valences(triangles);
-        if now.contains(&4) && now.contains(&8) {
+        if flipped >= flips && now.contains(&4) && now.contains(&8) {
             return;
         }
         let (t, corner) = (chance.random_range(0..triangles.len()), chance.random_range(0..3));
@@ -91,6 +110,7 @@ fn flip_edges(triangles: &mut [[u32; 3]], vertices: usize, chance: &mut ChaCha8R
         if !joined && valence(a).min(valence(b)) > 4 && valence(left).max(valence(right)) < 8 {
             triangles[t] = [a, right, left];
             triangles[other] = [right, b, left];
+            flipped += 1;
         }
     }
 }

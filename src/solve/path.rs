@@ -169,6 +169,7 @@ impl Walk<'_> {
             let guess = self.prediction(load);
             match self.equilibrium(load, guess)? {
                 Ok(point) if self.resolves(&point) || !may_halve => {
+                    self.system.settle(&point.x);
                     self.points.push(point);
                     self.iterations = 0;
                     if load == target {

@@ -100,13 +100,73 @@ fn values_that_cannot_be_are_told_with_what_could() {
         ("[box]\nmin = [1, 1, 1]\nmax = [0, 0, 0]\n", "each min must be below its max"),
         (
             "[material]\npreset = \"steel\"\n",
-            "no preset `steel`; it has ninjaflex-c2s and ninjaflex-yap2016",
+            "no preset `steel`; it has ninjaflex-c2s, ninjaflex-c2s-compressible and ninjaflex-yap2016",
         ),
         (
             "[material]\nlaw = \"hooke\"\n",
-            "no law `hooke`; it has neo-hookean (with mu) and ogden (with terms)",
+            "no law `hooke`; it has neo-hookean, mooney-rivlin, yeoh, ogden, st-venant-kirchhoff",
         ),
-        ("[material]\nlaw = \"ogden\"\n", "[material] wants either `preset`"),
+        ("[material]\n", "[material] has neither `preset` nor `law`; give one"),
+        (
+            "[material]\npreset = \"ninjaflex-c2s\"\nlaw = \"ogden\"\n",
+            "[material] has both `preset` and `law`; give one",
+        ),
+        (
+            "[material]\nlaw = \"ogden\"\n",
+            "[material] ogden has no `terms`; it wants `terms = [{ mu, alpha }]`, with",
+        ),
+        (
+            "[material]\nlaw = \"neo-hookean\"\n",
+            "[material] neo-hookean has no `mu`; it wants `mu`, with `bulk_modulus` if",
+        ),
+        (
+            "[material]\nlaw = \"neo-hookean\"\nmu = 1\nyoung_modulus = 3\n",
+            "[material] neo-hookean takes no `young_modulus` here; it wants `mu`, with",
+        ),
+        (
+            "[material]\nlaw = \"neo-hookean\"\nyoung_modulus = 3\n",
+            "[material] neo-hookean has no `poisson_ratio`; it wants",
+        ),
+        (
+            "[material]\nlaw = \"neo-hookean\"\nyoung_modulus = 3\npoisson_ratio = 0.51\n",
+            "[material] poisson_ratio is 0.51, but it must lie between 0.0 and 0.5",
+        ),
+        (
+            "[material]\nlaw = \"neo-hookean\"\nmu = 1\nbulk_modulus = 0.2\n",
+            "[material] bulk_modulus is 0.2, but it must be at least 0.300, 0.3 of the shear modulus",
+        ),
+        (
+            "[material]\nlaw = \"mooney-rivlin\"\nc1 = 1\n",
+            "[material] mooney-rivlin has no `c2`; it wants `c1` and `c2`",
+        ),
+        (
+            "[material]\nlaw = \"mooney-rivlin\"\nc1 = 1\nc2 = -1\n",
+            "the shear modulus 2 (c1 + c2) of [material] is 0.0, but it must be a positive number",
+        ),
+        (
+            "[material]\nlaw = \"yeoh\"\nc = [1, 2]\n",
+            "invalid length 2, expected an array of length 3",
+        ),
+        (
+            "[material]\nlaw = \"yeoh\"\nc = [1, nan, 2]\n",
+            "the second of [material] c is NaN, but it must lie between",
+        ),
+        (
+            "[material]\nlaw = \"yeoh\"\nc1 = 1\n",
+            "[material] yeoh takes no `c1` here; it wants `c = [c1, c2, c3]`, with",
+        ),
+        (
+            "[material]\nlaw = \"st-venant-kirchhoff\"\nyoung_modulus = 1\npoisson_ratio = -1\n",
+            "[material] poisson_ratio is -1.0, but it must lie between -0.99 and 0.5",
+        ),
+        (
+            "[material]\nlaw = \"st-venant-kirchhoff\"\nbulk_modulus = 1\n",
+            "[material] st-venant-kirchhoff takes no `bulk_modulus` here; it wants `young_modulus`",
+        ),
+        (
+            "[material]\nlaw = \"yeoh\"\nbulk_modulos = 1\n",
+            "unknown key `bulk_modulos`; did you mean `bulk_modulus`?",
+        ),
         ("[material]\nlaw = \"ogden\"\nterms = []\n", "[material] terms is empty"),
         ("[material]\nlaw = \"ogden\"\nterms = [{ mu = 1.0, alpha = 0.0 }]\n", "alpha is 0.0, but"),
         (
@@ -118,7 +178,10 @@ fn values_that_cannot_be_are_told_with_what_could() {
             "[material]\nlaw = \"neo-hookean\"\nmu = nan\n",
             "[material] mu is NaN, but it must be a positive number",
         ),
-        ("[material]\npreset = \"ninjaflex-c2s\"\nmu = 1.0\n", "[material] wants either `preset`"),
+        (
+            "[material]\npreset = \"ninjaflex-c2s\"\nmu = 1.0\n",
+            "[material] takes no `mu` beside `preset`; numbers of your own go with a `law`",
+        ),
     ] {
         workshop.refuse_scene(&format!("{PART}{fault}"), &["scene.toml", words]);
         workshop.refuse_run(fault, &["run.toml", words]);

@@ -11,14 +11,12 @@
 //! on the mesh. The outer face keeps half the thickness at rest. Source: Li et al. (2020), barrier of
 //! incremental potential contact.
 
-use std::rc::Rc;
-
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::math::Vec3;
 use crate::mesh::ShellMesh;
-use crate::model::element::{LoopBasis, Sample, samples};
+use crate::model::element::SampledSurface;
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::system::Inadmissible;
 
@@ -70,26 +68,26 @@ pub struct PlaneContact {
 }
 
 impl PlaneContact {
-    /// The barrier for `mesh` with control points at `positions` at rest.
+    /// The barrier for the wall of `thickness` (mm) around `surface`, with nodes at `positions` at rest.
     #[must_use]
     pub fn new(
-        mesh: &ShellMesh,
-        bases: &[Rc<LoopBasis>],
+        surface: &SampledSurface,
         positions: &[Vec3],
+        thickness: f64,
         settings: PlaneSettings,
     ) -> Self {
-        let (samples, facets) = samples(&mesh.stencils, bases, &mesh.rings);
-        let at_rest: Vec<Vec3> = samples.iter().map(|sample| sample.point(positions)).collect();
-        let mut areas = vec![0.0; samples.len()];
-        for facet in facets {
+        let at_rest = surface.at(positions);
+        let mut areas = vec![0.0; at_rest.len()];
+        for facet in &surface.facets {
             let [a, b, c] = facet.map(|v| at_rest[v as usize]);
             let area = (b - a).cross(&(c - a)).norm() / 2.0;
             for v in facet {
-                areas[v as usize] += area / 3.0;
+                areas[*v as usize] += area / 3.0;
             }
         }
-        let (nodes, weights) = samples.into_iter().map(Sample::ascending).unzip();
-        Self { settings, half_thickness: 0.5 * mesh.thickness, nodes, weights, areas }
+        let samples = surface.samples.iter().map(|s| (s.nodes.clone(), s.weights.clone()));
+        let (nodes, weights) = samples.unzip();
+        Self { settings, half_thickness: 0.5 * thickness, nodes, weights, areas }
     }
 
     /// The smallest gap between outer face and plane, mm.
@@ -219,7 +217,7 @@ mod tests {
 
     fn contact(shell: &TestShell, offset: f64, activation: f64) -> PlaneContact {
         let settings = PlaneSettings { normal: NORMAL, offset, activation, stiffness: 0.7 };
-        PlaneContact::new(&shell.mesh, &shell.bases, &shell.reference, settings)
+        PlaneContact::new(&shell.surface(), &shell.reference, shell.mesh.thickness, settings)
     }
 
     /// A tilted plane so near that the closest sample has a gap of 0.4 mm.
@@ -330,9 +328,9 @@ mod tests {
     fn areas_of_the_samples_add_up() {
         let shell = TestShell::new(6);
         let contact = touching(&shell).term;
-        let (samples, facets) = samples(&shell.mesh.stencils, &shell.bases, &shell.mesh.rings);
-        let positions: Vec<Vec3> = samples.iter().map(|s| s.point(&shell.reference)).collect();
-        let facets = crate::surface::TriangleMesh { positions, triangles: facets };
+        let surface = shell.surface();
+        let positions = surface.at(&shell.reference);
+        let facets = crate::surface::TriangleMesh { positions, triangles: surface.facets };
         assert_eq!(facets.check_closed_manifold(), Ok(()));
         let sum: f64 = contact.areas.iter().sum();
         assert!((sum / facets.area() - 1.0).abs() < 1e-13, "{sum}");

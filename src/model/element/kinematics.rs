@@ -114,9 +114,8 @@ impl Derivatives {
         let tangents = |b: usize, c: usize, in_plane: Matrix3<f64>, metric: f64| {
             let normal_part = (0..3).map(|k| gamma[k][b] * on_normal[k][c]).sum::<f64>()
                 - bend * dual[b].dot(&dual[c]);
-            let mut block = in_plane
-                + n * (p[b][c] + normal_part * n).transpose()
-                + p[c][b] * n.transpose();
+            let mut block =
+                in_plane + n * (p[b][c] + normal_part * n).transpose() + p[c][b] * n.transpose();
             (0..3).for_each(|i| block[(i, i)] += metric);
             block
         };
@@ -133,8 +132,7 @@ impl Derivatives {
         put(0, 0, tangents(0, 0, in_plane, 2.0 * q[0]));
         let in_plane = 4.0 * w[1][1] * a22 + 2.0 * w[2][1] * (a12 + a21) + w[2][2] * a11;
         put(1, 1, tangents(1, 1, in_plane, 2.0 * q[1]));
-        let in_plane =
-            4.0 * w[1][0] * a21 + 2.0 * (w[2][1] * a22 + w[2][0] * a11) + w[2][2] * a12;
+        let in_plane = 4.0 * w[1][0] * a21 + 2.0 * (w[2][1] * a22 + w[2][0] * a11) + w[2][2] * a12;
         put(1, 0, tangents(1, 0, in_plane, q[2]));
         let nn = n * n.transpose();
         for k in 0..3 {
@@ -173,7 +171,10 @@ impl Frame {
 /// `K_IJ += sum_st B_sI B_tJ H_st` for the lower blocks.
 fn add_hessian(hessian: &[[Block; 5]; 5], basis: &[Row], local: &mut LocalDerivatives) {
     for (j, column) in basis.iter().enumerate() {
-        let half = hessian.each_ref().map(|row| Block::combination(row, column));
+        let mut half = [Block::default(); 5];
+        for (half, row) in half.iter_mut().zip(hessian) {
+            *half = Block::combination(row, column);
+        }
         for (block, row) in local.column_mut(j).iter_mut().zip(&basis[j..]) {
             Block::combination(&half, row).add_to(block);
         }
@@ -195,13 +196,13 @@ impl Block {
 
     #[inline]
     fn combination(blocks: &[Self; 5], weights: &Row) -> Self {
-        Self(std::array::from_fn(|e| {
-            blocks[0].0[e] * weights[0]
-                + blocks[1].0[e] * weights[1]
-                + blocks[2].0[e] * weights[2]
-                + blocks[3].0[e] * weights[3]
-                + blocks[4].0[e] * weights[4]
-        }))
+        let mut sum = Self::default();
+        for (block, weight) in blocks.iter().zip(weights) {
+            for (sum, entry) in sum.0.iter_mut().zip(&block.0) {
+                *sum += weight * entry;
+            }
+        }
+        sum
     }
 
     #[inline]

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::box_spline;
-use crate::mesh::{Rings, Stencil};
+use crate::mesh::Stencil;
 
 /// Subdivisions behind the reference area of an element: 16 barycentres.
 /// Five (1,024 points) move the area of a remeshed sphere by less than 0.1 %.
@@ -28,6 +28,9 @@ const AREA_LEVELS: usize = 2;
 pub struct LoopBasis {
     /// `[,1 ,2 ,11 ,22 ,12]` of each control point at the barycentre.
     pub barycentre: Vec<[f64; 5]>,
+    /// The quadrature: the share of the element's area that each point stands for, and `[,1 ,2 ,11 ,22 ,12]` of each control
+    /// point there.
+    pub points: Vec<(f64, Vec<[f64; 5]>)>,
     /// `[,1 ,2]` of each control point at the barycentres of the 16 grandchildren, with the share of
     /// `|x,1 cross x,2|` that each contributes to the area.
     area_points: Vec<(f64, Vec<[f64; 2]>)>,
@@ -50,8 +53,10 @@ impl LoopBasis {
         let [r1, r2, r11, r22, r12] = patch.barycentre().1;
         let limit: Vec<Row> =
             (0..3).map(|i| patch.limit_corner(i)).chain(patch.limit_edges()).collect();
+        let barycentre = transpose(&[&r1, &r2, &r11, &r22, &r12]);
         Self {
-            barycentre: transpose(&[&r1, &r2, &r11, &r22, &r12]),
+            points: vec![(1.0, barycentre.clone())],
+            barycentre,
             area_points,
             limit: transpose(&std::array::from_fn::<_, 6, _>(|i| &limit[i])),
         }
@@ -70,6 +75,25 @@ impl LoopBasis {
         stencils.iter().map(basis).collect()
     }
 
+    /// The weights for a triangle with valences of six, with three points of quadrature (exact for quadratics).
+    #[must_use]
+    pub fn with_three_points() -> Self {
+        let third = |v: f64, w: f64| (1.0 / 3.0, Self::regular(v, w));
+        let (near, far) = (1.0 / 6.0, 2.0 / 3.0);
+        Self {
+            points: vec![third(near, near), third(far, near), third(near, far)],
+            ..Self::new([6; 3])
+        }
+    }
+
+    /// `[,1 ,2 ,11 ,22 ,12]` of each control point of a triangle with valences of six, where the second and the third corner
+    /// have the weights `v` and `w`.
+    #[must_use]
+    pub fn regular(v: f64, w: f64) -> Vec<[f64; 5]> {
+        let [r1, r2, r11, r22, r12] = Patch::coarse([6; 3]).regular(v, w);
+        transpose(&[&r1, &r2, &r11, &r22, &r12])
+    }
+
     /// The area of the element, mm^2, for control points at `x [n]`.
     #[must_use]
     pub fn area(&self, x: &[crate::math::Vec3]) -> f64 {
@@ -84,93 +108,6 @@ impl LoopBasis {
         self.area_points.iter().map(point_area).sum()
     }
 }
-
-/// One point of the limit surface: its weights on the control points.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
-    /// Control points.
-    pub nodes: Vec<u32>,
-    /// Their weights, summing to one.
-    pub weights: Vec<f64>,
-}
-
-impl Sample {
-    /// The point on the limit surface, mm.
-    #[must_use]
-    pub fn point(&self, positions: &[crate::math::Vec3]) -> crate::math::Vec3 {
-        self.nodes.iter().zip(&self.weights).map(|(&v, w)| *w * positions[v as usize]).sum()
-    }
-
-    /// Nodes in ascending order, and their weights.
-    #[must_use]
-    pub fn ascending(self) -> (Vec<u32>, Vec<f64>) {
-        let weights: Vec<[f64; 1]> = self.weights.iter().map(|&w| [w]).collect();
-        let (nodes, weights) = ascending(&self.nodes, &weights);
-        (nodes, weights.into_iter().map(|[w]| w).collect())
-    }
-}
-
-/// `nodes` in ascending order without repetition, and their weights, added up where a node is repeated.
-pub(in crate::model) fn ascending<const N: usize>(
-    nodes: &[u32],
-    weights: &[[f64; N]],
-) -> (Vec<u32>, Vec<[f64; N]>) {
-    let mut merged = BTreeMap::new();
-    for (&node, weights) in nodes.iter().zip(weights) {
-        let sums = merged.entry(node).or_insert([0.0; N]);
-        sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
-    }
-    merged.into_iter().unzip()
-}
-
-/// The limit points of all vertices, then of all edge midpoints, and the facets between them.
-///
-/// Four facets for each triangle; together they bound the surface that carries pressure and contact.
-///
-/// # Panics
-/// When a vertex of `rings` has no triangle.
-#[must_use]
-pub fn samples(
-    stencils: &[Stencil],
-    bases: &[std::rc::Rc<LoopBasis>],
-    rings: &Rings,
-) -> (Vec<Sample>, Vec<[u32; 3]>) {
-    let vertices = rings.len();
-    let mut samples: Vec<Option<Sample>> = vec![None; vertices];
-    let mut edges = BTreeMap::new();
-    let mut facets = Vec::with_capacity(4 * stencils.len());
-    for (stencil, basis) in stencils.iter().zip(bases) {
-        let corners = stencil.corners();
-        let local: [u32; 6] = std::array::from_fn(|point| {
-            let index = if point < 3 {
-                corners[point] as usize
-            } else {
-                let [a, b] = [corners[(point + 1) % 3], corners[(point + 2) % 3]];
-                *edges.entry([a.min(b), a.max(b)]).or_insert_with(|| {
-                    samples.push(None);
-                    samples.len() - 1
-                })
-            };
-            samples[index].get_or_insert_with(|| {
-                let nonzero = |(node, weights): (&u32, &[f64; 6])| {
-                    (weights[point] != 0.0).then_some((*node, weights[point]))
-                };
-                let (nodes, weights) =
-                    stencil.nodes.iter().zip(&basis.limit).filter_map(nonzero).unzip();
-                Sample { nodes, weights }
-            });
-            index as u32
-        });
-        facets.extend(SUBTRIANGLES.map(|facet| facet.map(|point| local[point])));
-    }
-    let samples =
-        samples.into_iter().map(|s| s.expect("every vertex of a closed mesh has a triangle"));
-    (samples.collect(), facets)
-}
-
-/// The four facets of an element over its corners (0, 1, 2) and edge midpoints (3, 4, 5).
-pub(in crate::model) const SUBTRIANGLES: [[usize; 3]; 4] =
-    [[0, 5, 4], [1, 3, 5], [2, 4, 3], [3, 4, 5]];
 
 /// Weights on the coarse control points.
 type Row = Vec<f64>;
@@ -208,6 +145,11 @@ impl Patch {
             let (share, rows) = self.middle_child().barycentre();
             return (4.0 * share, rows);
         }
+        (0.5, self.regular(1.0 / 3.0, 1.0 / 3.0))
+    }
+
+    /// The derivative rows of a patch with valences of six.
+    fn regular(&self, v: f64, w: f64) -> [Row; 5] {
         let [r0, r1, r2] = &self.rings;
         let control: [&Row; 12] = [
             &r0[4],
@@ -223,11 +165,11 @@ impl Patch {
             &r1[5],
             &r2[3],
         ];
-        let basis = box_spline::derivatives(1.0 / 3.0, 1.0 / 3.0);
+        let basis = box_spline::derivatives(v, w);
         let row = |k: usize| {
             combination(control.iter().zip(&basis).map(|(row, weights)| (weights[k], *row)))
         };
-        (0.5, std::array::from_fn(row))
+        std::array::from_fn(row)
     }
 
     /// Calls `visit` with the patches of all descendants `levels` down.
@@ -370,6 +312,8 @@ pub(super) fn regular_lattice() -> Vec<crate::math::Vec3> {
 mod tests {
     use super::*;
     use crate::math::Vec3;
+    use crate::mesh::Rings;
+    use crate::model::element::{ElementPoints, SampledSurface};
     use crate::model::test_shells::TestShell;
 
     /// Constant functions are reproduced for all valences: derivatives sum to 0, limit weights to 1.
@@ -414,7 +358,7 @@ mod tests {
         assert!((basis.area(&x) - 0.1875_f64.sqrt()).abs() < 1e-15);
     }
 
-    /// Loop's scheme once, by its textbook masks; the edge points in the order of [`samples`].
+    /// Loop's scheme once, by its textbook masks; the edge points in the order of [`SampledSurface`].
     fn subdivided(triangles: &[[u32; 3]], x: &[Vec3]) -> (Vec<[u32; 3]>, Vec<Vec3>) {
         let rings = Rings::new(x.len(), triangles).unwrap();
         let at = |v: u32| x[v as usize];
@@ -452,10 +396,10 @@ mod tests {
     }
 
     fn limit_points(triangles: &[[u32; 3]], x: &[Vec3]) -> Vec<Vec3> {
-        let (stencils, rings) = elements(triangles, x.len());
+        let (stencils, _) = elements(triangles, x.len());
         let bases = LoopBasis::of_stencils(&stencils);
-        let (samples, _) = samples(&stencils, &bases, &rings);
-        samples.iter().map(|sample| sample.point(x)).collect()
+        let points = ElementPoints::of_stencils(&stencils, &bases);
+        SampledSurface::new(triangles, &points, x.len()).at(x)
     }
 
     /// A mesh and its subdivisions have the same limit points, and each vertex comes nearer to its own in powers

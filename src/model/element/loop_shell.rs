@@ -13,7 +13,8 @@
 use std::rc::Rc;
 
 use super::kinematics::{Derivatives, Row};
-use super::loop_patch::{LoopBasis, ascending};
+use super::loop_patch::LoopBasis;
+use super::points::ascending;
 use super::wall_point::{WallPoint, bending_depth};
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::Stencil;
@@ -58,17 +59,20 @@ impl LoopShell {
         for (stencil, basis) in stencils.iter().zip(bases) {
             let positions: Vec<Vec3> = stencil.nodes.iter().map(|&v| x[v as usize]).collect();
             let area = basis.area(&positions);
-            let forms = Derivatives::new(&basis.barycentre, &positions).forms();
-            let forms = forms.map_err(|Inadmissible(what)| {
-                Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
-            })?;
-            let depth = bending_depth(forms, thickness);
-            shell.points.push(WallPoint::new(forms, area, thickness, depth));
-            whole_area += area;
-            creased_area += if depth < 1.0 { area } else { 0.0 };
-            let (nodes, weights) = ascending(&stencil.nodes, &basis.barycentre);
-            shell.stencils.push(nodes);
-            shell.basis.push(weights);
+            for (share, rows) in &basis.points {
+                let forms = Derivatives::new(rows, &positions).forms();
+                let forms = forms.map_err(|Inadmissible(what)| {
+                    Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
+                })?;
+                let depth = bending_depth(forms, thickness);
+                let area = share * area;
+                shell.points.push(WallPoint::new(forms, area, thickness, depth));
+                whole_area += area;
+                creased_area += if depth < 1.0 { area } else { 0.0 };
+                let (nodes, weights) = ascending(&stencil.nodes, rows);
+                shell.stencils.push(nodes);
+                shell.basis.push(weights);
+            }
         }
         shell.creased_share = creased_area / whole_area;
         if shell.creased_share <= MOST_CREASED {

@@ -4,15 +4,15 @@
 //! V = sum_facets x0 . (x1 x x2) / 6        dV/dx0 = (x1 x x2) / 6        d2V/dx0dx1 = -[x2]x / 6
 //! ```
 //!
-//! The facets join the limit points of corners and edge midpoints (four for each element), a closed surface:
+//! The facets join corners and edge midpoints on the surface (four for each element), a closed surface:
 //! the net force and moment of a uniform pressure vanish and the tangent is symmetric. Acting on the
 //! mid-surface is exact for an incompressible wall: inner and middle volume differ by a constant.
-
-use std::rc::Rc;
+//!
+//! A part cut off by planes of symmetry is closed by [`Fan`]s: the flat cut, as facets from an edge to a point of its plane.
+//! A plane through the origin needs none.
 
 use crate::math::Vec3;
-use crate::mesh::ShellMesh;
-use crate::model::element::{LoopBasis, SUBTRIANGLES, ascending};
+use crate::model::element::{ElementPoints, SUBTRIANGLES};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::system::Inadmissible;
 
@@ -24,39 +24,87 @@ pub struct ChamberPressure {
     stencils: Vec<Vec<u32>>,
     /// Weights of each node on the element's corners and edge midpoints.
     limits: Vec<Vec<[f64; 6]>>,
+    /// Of the last stencils, those that are no elements.
+    fans: Vec<Fan>,
+}
+
+/// The facets between the edge of an element that lies in a plane of symmetry and a point of that plane.
+#[derive(Clone, Debug)]
+pub struct Fan {
+    /// The element whose edge it is.
+    pub points: ElementPoints,
+    /// The element's points along the edge, in the order of its triangle: one end, the middle, the other end.
+    pub along: [usize; 3],
+    /// The point of the plane, mm.
+    pub apex: Vec3,
 }
 
 impl ChamberPressure {
-    /// The chamber inside `mesh`, at zero pressure.
+    /// The chamber within the triangles of `points`, closed by `fans`, at zero pressure.
     #[must_use]
-    pub fn new(mesh: &ShellMesh, bases: &[Rc<LoopBasis>]) -> Self {
-        let mut chamber = Self {
+    pub fn new(points: &[ElementPoints], fans: Vec<Fan>) -> Self {
+        let all = || points.iter().chain(fans.iter().map(|fan| &fan.points));
+        Self {
             pressure: 0.0,
-            stencils: Vec::with_capacity(bases.len()),
-            limits: Vec::with_capacity(bases.len()),
-        };
-        for (stencil, basis) in mesh.stencils.iter().zip(bases) {
-            let (nodes, weights) = ascending(&stencil.nodes, &basis.limit);
-            chamber.stencils.push(nodes);
-            chamber.limits.push(weights);
+            stencils: all().map(|points| points.nodes.clone()).collect(),
+            limits: all().map(|points| points.weights.clone()).collect(),
+            fans,
         }
-        chamber
+    }
+
+    fn fan(&self, s: usize) -> Option<&Fan> {
+        let elements = self.stencils.len() - self.fans.len();
+        s.checked_sub(elements).map(|fan| &self.fans[fan])
+    }
+
+    fn volume_of(&self, s: usize, points: &[Vec3; 6]) -> f64 {
+        match self.fan(s) {
+            None => facet_volume(points),
+            Some(fan) => {
+                fan.facets(points).iter().map(|[a, b]| fan.apex.dot(&a.cross(b)) / 6.0).sum()
+            }
+        }
+    }
+
+    fn gradient_of(&self, s: usize, points: &[Vec3; 6]) -> [Vec3; 6] {
+        let Some(fan) = self.fan(s) else {
+            return facet_gradient(points);
+        };
+        let mut gradient = [Vec3::zeros(); 6];
+        for [b, c] in fan.edges() {
+            gradient[b] += points[c].cross(&fan.apex) / 6.0;
+            gradient[c] += fan.apex.cross(&points[b]) / 6.0;
+        }
+        gradient
+    }
+
+    fn hessian_axes_of(&self, s: usize, points: &[Vec3; 6]) -> [[Vec3; 6]; 6] {
+        let Some(fan) = self.fan(s) else {
+            return facet_hessian_axes(points);
+        };
+        let mut axes = [[Vec3::zeros(); 6]; 6];
+        for [b, c] in fan.edges() {
+            axes[b][c] -= fan.apex / 6.0;
+            axes[c][b] += fan.apex / 6.0;
+        }
+        axes
     }
 
     /// The enclosed volume for control points at `positions`, mm^3.
     #[must_use]
     pub fn volume(&self, positions: &[Vec3]) -> f64 {
-        let element_volume = |(stencil, limits): (&Vec<u32>, &Vec<[f64; 6]>)| {
-            facet_volume(&limit_points(limits, stencil.iter().map(|&v| &positions[v as usize])))
+        let stencil_volume = |(s, (stencil, limits)): (usize, (&Vec<u32>, &Vec<[f64; 6]>))| {
+            let x = stencil.iter().map(|&v| &positions[v as usize]);
+            self.volume_of(s, &limit_points(limits, x))
         };
-        self.stencils.iter().zip(&self.limits).map(element_volume).sum()
+        self.stencils.iter().zip(&self.limits).enumerate().map(stencil_volume).sum()
     }
 
     /// Adds `dV/dx` to `gradient`, one vector for each control point, mm^2.
     pub fn add_volume_gradient(&self, positions: &[Vec3], gradient: &mut [Vec3]) {
-        for (stencil, limits) in self.stencils.iter().zip(&self.limits) {
+        for (s, (stencil, limits)) in self.stencils.iter().zip(&self.limits).enumerate() {
             let points = limit_points(limits, stencil.iter().map(|&v| &positions[v as usize]));
-            let by_point = facet_gradient(&points);
+            let by_point = self.gradient_of(s, &points);
             for (&node, weights) in stencil.iter().zip(limits) {
                 gradient[node as usize] += combine(&by_point, weights);
             }
@@ -70,7 +118,7 @@ impl Term for ChamberPressure {
     }
 
     fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
-        Ok(-self.pressure * facet_volume(&limit_points(&self.limits[s], x)))
+        Ok(-self.pressure * self.volume_of(s, &limit_points(&self.limits[s], x)))
     }
 
     fn derivatives(
@@ -81,12 +129,12 @@ impl Term for ChamberPressure {
     ) -> Result<f64, Inadmissible> {
         let limits = &self.limits[s];
         let points = limit_points(limits, x);
-        let by_point = facet_gradient(&points);
+        let by_point = self.gradient_of(s, &points);
         for (gradient, weights) in local.gradient_mut().iter_mut().zip(limits) {
             *gradient -= self.pressure * combine(&by_point, weights);
         }
         if local.with_hessian() {
-            let axes = facet_hessian_axes(&points);
+            let axes = self.hessian_axes_of(s, &points);
             for (j, column) in limits.iter().enumerate() {
                 let half: [Vec3; 6] = std::array::from_fn(|p| combine(&axes[p], column));
                 for (i, row) in limits.iter().enumerate().skip(j) {
@@ -95,7 +143,19 @@ impl Term for ChamberPressure {
                 }
             }
         }
-        Ok(-self.pressure * facet_volume(&points))
+        Ok(-self.pressure * self.volume_of(s, &points))
+    }
+}
+
+impl Fan {
+    /// The element's points at the ends of the two halves of the edge, seen from outside: against the element's own turn.
+    fn edges(&self) -> [[usize; 2]; 2] {
+        let [a, middle, b] = self.along;
+        [[middle, a], [b, middle]]
+    }
+
+    fn facets(&self, points: &[Vec3; 6]) -> [[Vec3; 2]; 2] {
+        self.edges().map(|edge| edge.map(|point| points[point]))
     }
 }
 
@@ -149,7 +209,7 @@ mod tests {
     const PRESSURE: f64 = 0.03;
 
     fn pressurised(shell: &TestShell) -> Case<ChamberPressure> {
-        let mut term = ChamberPressure::new(&shell.mesh, &shell.bases);
+        let mut term = ChamberPressure::new(&shell.points(), Vec::new());
         term.pressure = PRESSURE;
         let motion = Isometry3::new(Vec3::new(3.0, -5.0, 2.0), Vec3::new(0.4, 1.9, -0.7));
         Case { term, positions: shell.deformed.clone(), motion }
@@ -163,7 +223,7 @@ mod tests {
     fn pressure_is_in_balance() {
         for seed in 0..4 {
             let shell = TestShell::new(seed);
-            let chamber = ChamberPressure::new(&shell.mesh, &shell.bases);
+            let chamber = ChamberPressure::new(&shell.points(), Vec::new());
             let mut gradient = vec![Vec3::zeros(); shell.deformed.len()];
             chamber.add_volume_gradient(&shell.deformed, &mut gradient);
             let area: f64 = gradient.iter().map(|g| g.norm()).sum();
@@ -181,7 +241,7 @@ mod tests {
     #[test]
     fn volume_gradient_is_the_difference_of_the_volume() {
         let shell = TestShell::new(5);
-        let chamber = ChamberPressure::new(&shell.mesh, &shell.bases);
+        let chamber = ChamberPressure::new(&shell.points(), Vec::new());
         let mut gradient = vec![Vec3::zeros(); shell.deformed.len()];
         chamber.add_volume_gradient(&shell.deformed, &mut gradient);
         for (v, gradient) in gradient.iter().enumerate() {
@@ -201,8 +261,8 @@ mod tests {
     /// their edges, as any inscribed polyhedron does.
     #[test]
     fn volume_of_spheres_converges_to_second_order() {
-        use crate::mesh::ShellSettings;
-        use crate::model::element::fitted_control_points;
+        use crate::mesh::{ShellMesh, ShellSettings};
+        use crate::model::element::{LoopBasis, fitted_control_points};
         use crate::surface::TriangleMesh;
 
         let settings = ShellSettings { thickness: 0.5, clamp_height: 8.0, ..Default::default() };
@@ -211,7 +271,8 @@ mod tests {
             let bases = LoopBasis::of_stencils(&mesh.stencils);
             let control = fitted_control_points(&mesh, &bases).unwrap();
             let exact = 4000.0 / 3.0 * std::f64::consts::PI;
-            1.0 - ChamberPressure::new(&mesh, &bases).volume(&control) / exact
+            let points = ElementPoints::of_stencils(&mesh.stencils, &bases);
+            1.0 - ChamberPressure::new(&points, Vec::new()).volume(&control) / exact
         });
         for pair in errors.windows(2) {
             let order = (pair[0] / pair[1]).log2();

@@ -1,166 +1,145 @@
-//! Constitutive laws of an incompressible wall in plane stress.
+//! Constitutive laws of a hyperelastic wall in plane stress.
 //!
 //! The two in-plane principal stretches `l1, l2` enter through two smooth invariants of the in-plane metrics
-//! `G` (reference) and `g` (current); the third stretch is `1 / (l1 l2)` and the normal stress vanishes.
+//! `G` (reference) and `g` (current); the third stretch is the one at which the normal stress vanishes,
+//! `1 / (l1 l2)` where the wall is incompressible.
 //!
 //! ```text
-//! T = tr(G^-1 g) = l1^2 + l2^2          J = det g / det G = (l1 l2)^2 = 1 / l3^2
+//! T = tr(G^-1 g) = l1^2 + l2^2          J = det g / det G = (l1 l2)^2
 //! ```
 
+mod compressible;
+mod mooney_rivlin;
 mod neo_hookean;
+mod of_invariants;
 mod ogden;
+mod rubber;
+mod st_venant_kirchhoff;
+mod stability;
+#[cfg(test)]
+mod test_laws;
+mod yeoh;
 
+pub use compressible::Compressible;
+pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hookean::NeoHookean;
+pub use of_invariants::OfInvariants;
 pub use ogden::{Ogden, OgdenTerm};
+pub use rubber::Rubber;
+pub use st_venant_kirchhoff::StVenantKirchhoff;
+pub use stability::Loading;
+pub use yeoh::Yeoh;
 
-/// The stored energy per reference volume (MPa) and its derivatives with respect to `T` and `J`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct EnergyDensity {
-    /// The density itself, MPa.
-    pub value: f64,
-    /// d/dT, d/dJ.
-    pub first: [f64; 2],
-    /// d2/dT2, d2/dTdJ, d2/dJ2.
-    pub second: [f64; 3],
-}
+use rubber::IncompressibleLaw;
 
 /// A hyperelastic law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
     /// [`NeoHookean`].
     NeoHookean(NeoHookean),
+    /// [`MooneyRivlin`].
+    MooneyRivlin(MooneyRivlin),
+    /// [`Yeoh`].
+    Yeoh(Yeoh),
     /// [`Ogden`].
     Ogden(Ogden),
+    /// [`Compressible`].
+    Compressible(Compressible),
+    /// [`StVenantKirchhoff`].
+    StVenantKirchhoff(StVenantKirchhoff),
 }
 
 impl Material {
-    /// The energy density with derivatives at invariants `T` and `J`.
+    /// The stored energy per reference volume, MPa, with derivatives at invariants `T` and `J`.
     #[must_use]
     #[inline]
-    pub fn density(&self, t: f64, j: f64) -> EnergyDensity {
+    pub fn density(&self, t: f64, j: f64) -> OfInvariants {
         match self {
             Self::NeoHookean(law) => law.density(t, j),
+            Self::MooneyRivlin(law) => law.density(t, j),
+            Self::Yeoh(law) => law.density(t, j),
             Self::Ogden(law) => law.density(t, j),
+            Self::Compressible(law) => law.density(t, j),
+            Self::StVenantKirchhoff(law) => law.density(t, j),
         }
     }
 
-    /// The energy density alone, MPa.
+    /// The stored energy per reference volume alone, MPa.
     #[must_use]
     #[inline]
     pub fn energy(&self, t: f64, j: f64) -> f64 {
         match self {
             Self::NeoHookean(law) => law.energy(t, j),
+            Self::MooneyRivlin(law) => law.energy(t, j),
+            Self::Yeoh(law) => law.energy(t, j),
             Self::Ogden(law) => law.energy(t, j),
+            Self::Compressible(law) => law.energy(t, j),
+            Self::StVenantKirchhoff(law) => law.energy(t, j),
         }
     }
 
-    /// The stretch of the wall's thickness, with derivatives, where the mid-surface has invariants `T` and `J`.
+    /// The stretch `l3` across the wall, with derivatives at invariants `T` and `J`.
+    ///
+    /// It is `1 / sqrt J` where the law is incompressible and 1 for [`StVenantKirchhoff`].
     #[must_use]
     #[inline]
-    pub fn thickness_stretch(&self, _t: f64, j: f64) -> EnergyDensity {
-        let value = 1.0 / j.sqrt();
-        let slope = -0.5 * value / j;
-        EnergyDensity { value, first: [0.0, slope], second: [0.0, 0.0, -1.5 * slope / j] }
+    pub fn thickness_stretch(&self, t: f64, j: f64) -> OfInvariants {
+        match self {
+            Self::NeoHookean(_) | Self::MooneyRivlin(_) | Self::Yeoh(_) | Self::Ogden(_) => {
+                let l3 = 1.0 / j.sqrt();
+                OfInvariants::of_j([l3, -0.5 * l3 / j, 0.75 * l3 / (j * j)])
+            }
+            Self::Compressible(law) => law.thickness_stretch(t, j),
+            Self::StVenantKirchhoff(_) => OfInvariants { value: 1.0, ..OfInvariants::default() },
+        }
+    }
+
+    /// Whether the law keeps the volume, so that `l1 l2 l3 = 1`.
+    #[must_use]
+    pub fn is_incompressible(&self) -> bool {
+        !matches!(self, Self::Compressible(_) | Self::StVenantKirchhoff(_))
     }
 
     /// The shear modulus at rest, MPa.
     #[must_use]
     pub fn shear_modulus(&self) -> f64 {
         match self {
-            Self::NeoHookean(law) => law.mu,
-            Self::Ogden(law) => law.terms().map(|term| term.mu).sum(),
+            Self::NeoHookean(law) => law.shear_modulus(),
+            Self::MooneyRivlin(law) => law.shear_modulus(),
+            Self::Yeoh(law) => law.shear_modulus(),
+            Self::Ogden(law) => law.shear_modulus(),
+            Self::Compressible(Compressible { law, .. }) => law.law().shear_modulus(),
+            Self::StVenantKirchhoff(law) => 0.5 * law.young_modulus / (1.0 + law.poisson_ratio),
         }
+    }
+
+    /// Poisson's ratio at rest.
+    #[must_use]
+    pub fn poisson_ratio(&self) -> f64 {
+        match self {
+            Self::Compressible(law) => {
+                let (k, mu) = (law.bulk_modulus, self.shear_modulus());
+                0.5 * (3.0 * k - 2.0 * mu) / (3.0 * k + mu)
+            }
+            Self::StVenantKirchhoff(law) => law.poisson_ratio,
+            _ => 0.5,
+        }
+    }
+
+    /// Young's modulus at rest, MPa.
+    #[must_use]
+    pub fn young_modulus(&self) -> f64 {
+        2.0 * self.shear_modulus() * (1.0 + self.poisson_ratio())
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use approx::assert_relative_eq;
-
-    use super::*;
-
-    fn laws() -> [Material; 3] {
-        [
-            Material::NeoHookean(NeoHookean { mu: 1.3 }),
-            Material::Ogden(Ogden::ninjaflex_c2s()),
-            Material::Ogden(Ogden::ninjaflex_yap2016()),
-        ]
-    }
-
-    /// `psi` written in stretches, as the books do.
-    fn energy_of_stretches(law: &Material, [l1, l2]: [f64; 2]) -> f64 {
-        let l3 = 1.0 / (l1 * l2);
-        match law {
-            Material::NeoHookean(law) => 0.5 * law.mu * (l1 * l1 + l2 * l2 + l3 * l3 - 3.0),
-            Material::Ogden(law) => {
-                let term = |t: OgdenTerm| {
-                    let sum: f64 = [l1, l2, l3].iter().map(|l| l.powf(t.alpha)).sum();
-                    2.0 * t.mu / (t.alpha * t.alpha) * (sum - 3.0)
-                };
-                law.terms().map(term).sum()
-            }
-        }
-    }
-
-    #[rustfmt::skip]
-    const STRETCHES: [[f64; 2]; 8] = [
-        [1.0, 1.0], [1.0 + 1e-9, 1.0], [1.05, 1.0], [1.2, 1.2], [1.21, 1.2], [0.7, 1.4], [2.5, 0.9], [3.0, 3.0],
-    ];
-
-    #[test]
-    fn energy_equals_the_formula_in_stretches() {
-        for law in laws() {
-            for [l1, l2] in STRETCHES {
-                let (t, j) = (l1 * l1 + l2 * l2, (l1 * l2).powi(2));
-                let exact = energy_of_stretches(&law, [l1, l2]);
-                // Yap's coefficients of 240 MPa cancel: 1e-12 is four roundings of each.
-                assert_relative_eq!(
-                    law.density(t, j).value,
-                    exact,
-                    epsilon = 1e-12,
-                    max_relative = 1e-12
-                );
-                assert_relative_eq!(law.energy(t, j), exact, epsilon = 1e-12, max_relative = 1e-12);
-            }
-        }
-    }
-
-    /// Central differences of the energy and of the first derivatives; the step balances truncation and rounding.
-    #[test]
-    fn derivatives_equal_differences() {
-        let step = 1e-5;
-        for law in laws() {
-            for [l1, l2] in STRETCHES {
-                // Between equal stretches T^2 = 4 J: a difference in J alone would leave the domain.
-                let (t, j) = (l1 * l1 + l2 * l2 + 0.01, (l1 * l2).powi(2));
-                let d = law.density(t, j);
-                let [tp, tm, jp, jm] = [(t + step, j), (t - step, j), (t, j + step), (t, j - step)]
-                    .map(|(t, j)| law.density(t, j));
-                let slope = |a: f64, b: f64| (a - b) / (2.0 * step);
-                let pairs = [
-                    (d.first[0], slope(tp.value, tm.value)),
-                    (d.first[1], slope(jp.value, jm.value)),
-                    (d.second[0], slope(tp.first[0], tm.first[0])),
-                    (d.second[1], slope(tp.first[1], tm.first[1])),
-                    (d.second[2], slope(jp.first[1], jm.first[1])),
-                ];
-                for (analytic, difference) in pairs {
-                    assert_relative_eq!(analytic, difference, epsilon = 1e-7, max_relative = 1e-6);
-                }
-            }
-        }
-    }
-
-    /// At rest the wall is stress-free and its membrane stiffness is `E / (1 - nu^2) = 4 mu`.
-    #[test]
-    fn membrane_stiffness_at_rest_is_four_mu() {
-        for law in laws() {
-            let d = law.density(2.0, 1.0);
-            assert_relative_eq!(d.first[0], -d.first[1], epsilon = 1e-12);
-            // Second derivative along l1 of psi(T = l1^2 + 1, J = l1^2).
-            let [tt, tj, jj] = d.second;
-            let stiffness = 2.0 * (d.first[0] + d.first[1]) + 4.0 * (tt + 2.0 * tj + jj);
-            assert_relative_eq!(stiffness, 4.0 * law.shear_modulus(), max_relative = 1e-10);
+impl From<Rubber> for Material {
+    fn from(rubber: Rubber) -> Self {
+        match rubber {
+            Rubber::NeoHookean(law) => Self::NeoHookean(law),
+            Rubber::MooneyRivlin(law) => Self::MooneyRivlin(law),
+            Rubber::Yeoh(law) => Self::Yeoh(law),
+            Rubber::Ogden(law) => Self::Ogden(law),
         }
     }
 }

@@ -13,7 +13,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::EnergyDensity;
+use super::OfInvariants;
+use super::rubber::IncompressibleLaw;
 
 /// Below this `y` the series is used; it converges like `(y/2)^k`, so 14 terms leave less than 1e-17.
 const SERIES_LIMIT: f64 = 0.1;
@@ -60,7 +61,7 @@ impl Ogden {
         Self::of([(0.108866, 3.20735), (2.1565, -1.89042), (2.94629, 1.33796)])
     }
 
-    /// NinjaFlex by Yap et al. (2016): mu 6.212 MPa; its negative first term makes it unstable at some strains.
+    /// NinjaFlex by Yap et al. (2016): mu 6.212 MPa; stable at every stretch in spite of its negative first term.
     #[must_use]
     pub fn ninjaflex_yap2016() -> Self {
         Self::of([(-30.921, 0.508), (10.342, 1.375), (26.791, -0.482)])
@@ -74,26 +75,28 @@ impl Ogden {
     fn of(terms: [(f64, f64); 3]) -> Self {
         Self::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
     }
+}
 
-    pub(super) fn density(&self, t: f64, j: f64) -> EnergyDensity {
+impl IncompressibleLaw for Ogden {
+    fn density(&self, t: f64, j: f64) -> OfInvariants {
         let state = State::new(t, j);
-        let mut sum = EnergyDensity::default();
-        for term in &self.terms {
-            let density = term.density(&state);
-            sum.value += density.value;
-            for (sum, value) in sum.first.iter_mut().zip(density.first) {
-                *sum += value;
-            }
-            for (sum, value) in sum.second.iter_mut().zip(density.second) {
-                *sum += value;
-            }
-        }
-        sum
+        let sum = |sum, term: &PreparedTerm| sum + term.density(&state);
+        self.terms.iter().fold(OfInvariants::default(), sum)
     }
 
-    pub(super) fn energy(&self, t: f64, j: f64) -> f64 {
+    fn energy(&self, t: f64, j: f64) -> f64 {
         let state = State::new(t, j);
         self.terms.iter().map(|term| term.energy(&state)).sum()
+    }
+
+    fn dilation_rate(&self, t: f64, j: f64) -> OfInvariants {
+        let state = State::new(t, j);
+        let sum = |sum, term: &PreparedTerm| sum + term.dilation_rate(&state);
+        self.terms.iter().fold(OfInvariants::default(), sum)
+    }
+
+    fn shear_modulus(&self) -> f64 {
+        self.terms().map(|term| term.mu).sum()
     }
 }
 
@@ -102,6 +105,8 @@ struct State {
     j: f64,
     ln_j: f64,
     y: f64,
+    /// `arcosh(1 + y)`; 0 where the series stands for it.
+    eta: f64,
     /// Derivatives of `y` by T, J, TJ, JJ.
     dy: [f64; 4],
 }
@@ -110,8 +115,9 @@ impl State {
     fn new(t: f64, j: f64) -> Self {
         let sqrt_j = j.sqrt();
         let y = 0.5 * t / sqrt_j - 1.0;
+        let eta = if y < SERIES_LIMIT { 0.0 } else { (1.0 + y).acosh() };
         let (y_t, y_j) = (0.5 / sqrt_j, -0.5 * (1.0 + y) / j);
-        Self { j, ln_j: j.ln(), y, dy: [y_t, y_j, -0.5 * y_t / j, -1.5 * y_j / j] }
+        Self { j, ln_j: j.ln(), y, eta, dy: [y_t, y_j, -0.5 * y_t / j, -1.5 * y_j / j] }
     }
 }
 
@@ -129,45 +135,56 @@ impl PreparedTerm {
     fn energy(&self, state: &State) -> f64 {
         let half_power = (0.5 * self.a * state.ln_j).exp();
         let third = 1.0 / (half_power * half_power);
-        self.factor * (2.0 * half_power * self.cosh_multiple(state.y) + third - 3.0)
+        self.factor * (2.0 * half_power * self.cosh_multiple(state) + third - 3.0)
     }
 
-    fn density(&self, state: &State) -> EnergyDensity {
+    fn density(&self, state: &State) -> OfInvariants {
+        let mut density = self.powers(state, [self.factor; 2]);
+        density.value -= 3.0 * self.factor;
+        density
+    }
+
+    /// At a volume ratio `e^s` the powers in the plane grow with `-alpha s / 3`, the third one with `2 alpha s / 3`.
+    fn dilation_rate(&self, state: &State) -> OfInvariants {
+        let rate = 2.0 / 3.0 * self.a * self.factor;
+        self.powers(state, [-rate, 2.0 * rate])
+    }
+
+    /// `plane (l1^alpha + l2^alpha) + across l3^alpha`.
+    fn powers(&self, state: &State, [plane, across]: [f64; 2]) -> OfInvariants {
         let (a, j) = (self.a, state.j);
-        let [c, dc, ddc] = self.cosh_multiple_derivatives(state.y);
+        let [c, dc, ddc] = self.cosh_multiple_derivatives(state);
         let [y_t, y_j, y_tj, y_jj] = state.dy;
         // P = 2 J^(a/2), and l3^alpha = J^-a.
         let half_power = (0.5 * a * state.ln_j).exp();
-        let p = 2.0 * half_power;
+        let p = 2.0 * plane * half_power;
         let dp = 0.5 * a * p / j;
         let ddp = (0.5 * a - 1.0) * dp / j;
-        let third = 1.0 / (half_power * half_power);
-        let factor = self.factor;
-        EnergyDensity {
-            value: factor * (p * c + third - 3.0),
-            first: [factor * p * dc * y_t, factor * (dp * c + p * dc * y_j - a * third / j)],
+        let third = across / (half_power * half_power);
+        OfInvariants {
+            value: p * c + third,
+            first: [p * dc * y_t, dp * c + p * dc * y_j - a * third / j],
             second: [
-                factor * p * ddc * y_t * y_t,
-                factor * (dp * dc * y_t + p * (ddc * y_j * y_t + dc * y_tj)),
-                factor
-                    * (ddp * c
-                        + 2.0 * dp * dc * y_j
-                        + p * (ddc * y_j * y_j + dc * y_jj)
-                        + a * (a + 1.0) * third / (j * j)),
+                p * ddc * y_t * y_t,
+                dp * dc * y_t + p * (ddc * y_j * y_t + dc * y_tj),
+                ddp * c
+                    + 2.0 * dp * dc * y_j
+                    + p * (ddc * y_j * y_j + dc * y_jj)
+                    + a * (a + 1.0) * third / (j * j),
             ],
         }
     }
 
     /// `C_a(y)`.
-    fn cosh_multiple(&self, y: f64) -> f64 {
+    fn cosh_multiple(&self, &State { y, eta, .. }: &State) -> f64 {
         if y < SERIES_LIMIT {
             return self.series.iter().rev().fold(0.0, |f, c| f * y + c);
         }
-        (self.a * (1.0 + y).acosh()).cosh()
+        (self.a * eta).cosh()
     }
 
     /// `C_a(y)` with its first and second derivative.
-    fn cosh_multiple_derivatives(&self, y: f64) -> [f64; 3] {
+    fn cosh_multiple_derivatives(&self, &State { y, eta, .. }: &State) -> [f64; 3] {
         let a = self.a;
         if y < SERIES_LIMIT {
             // Horner's scheme for the value and both derivatives.
@@ -177,10 +194,35 @@ impl PreparedTerm {
                 .rev()
                 .fold([0.0; 3], |[f, df, ddf], c| [f * y + c, df * y + f, ddf * y + 2.0 * df]);
         }
-        let eta = (1.0 + y).acosh();
         let sinh = eta.sinh();
         let first = a * (a * eta).sinh() / sinh;
         let value = (a * eta).cosh();
         [value, first, (a * a * value - (1.0 + y) * first) / (sinh * sinh)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::material::Material;
+    use crate::model::material::test_laws::check_nominal_stresses;
+
+    #[test]
+    fn nominal_stresses_are_those_of_the_books() {
+        for law in [Ogden::ninjaflex_c2s(), Ogden::ninjaflex_yap2016()] {
+            let terms: Vec<OgdenTerm> = law.terms().collect();
+            let sum = |l: f64, third: f64| {
+                let of_term = |t: &OgdenTerm| {
+                    2.0 * t.mu / t.alpha * (l.powf(t.alpha - 1.0) - l.powf(third * t.alpha - 1.0))
+                };
+                terms.iter().map(of_term).sum::<f64>()
+            };
+            check_nominal_stresses(
+                &Material::Ogden(law),
+                |l| sum(l, -0.5),
+                |l| sum(l, -2.0),
+                |l| sum(l, -1.0),
+            );
+        }
     }
 }

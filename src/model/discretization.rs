@@ -1,0 +1,278 @@
+//! A shell's nodes, the wall over them, and the points of its surface: what a model is built on.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use super::edge_support::{
+    EdgeSupport, EdgeSupports, Supported, supports_of_control_points, supports_of_facets,
+};
+use super::element::{
+    ElementPoints, LoopBasis, LoopShell, MidEdgeShell, SampledSurface, ascending,
+    fitted_control_points, volume_matched,
+};
+use super::load::{ChamberPressure, Fan, MomentEdge};
+use super::local::{LocalDerivatives, Term};
+use super::material::Material;
+use super::system::Inadmissible;
+use super::tie::Ties;
+use crate::math::{Rejected, Room, Vec3};
+use crate::mesh::{BoundaryEdge, Patch, ShellElement, ShellMesh, Side, Stencil};
+
+/// The stored energy of a wall of either element.
+#[derive(Clone, Debug)]
+pub(super) enum Wall {
+    Loop(LoopShell),
+    MidEdge(MidEdgeShell),
+}
+
+/// What a model is built on.
+pub(super) struct Discretization {
+    /// Nodes at rest, mm.
+    pub(super) reference: Vec<Vec3>,
+    pub(super) wall: Wall,
+    /// Of each triangle.
+    pub(super) points: Vec<ElementPoints>,
+    pub(super) surface: SampledSurface,
+    pub(super) ties: Ties,
+    /// Unknowns that ties and supports hold, `3 node + axis`.
+    pub(super) held: Vec<u32>,
+    /// Reference area of each triangle, mm^2.
+    pub(super) areas: Vec<f64>,
+    pub(super) thickness: f64,
+}
+
+impl Discretization {
+    /// Of a closed part.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a fold is tighter than half the wall, or the limit surface cannot follow the mesh.
+    pub(super) fn closed(mesh: &ShellMesh, material: &Material) -> Result<Self, Rejected> {
+        let triangles = &mesh.surface.triangles;
+        let thickness = mesh.thickness;
+        let bases = LoopBasis::of_stencils(&mesh.stencils);
+        let control = fitted_control_points(mesh, &bases)?;
+        let limit = ElementPoints::of_stencils(&mesh.stencils, &bases);
+        let (reference, wall, points, areas) = match mesh.element {
+            ShellElement::Loop => {
+                let wall =
+                    LoopShell::new(&mesh.stencils, &bases, &control, thickness, material.clone())?;
+                let areas = loop_areas(&mesh.stencils, &bases, &control);
+                (control, Wall::Loop(wall), limit, areas)
+            }
+            ShellElement::MidEdge => {
+                // The smooth volume: facets and their halves, extrapolated.
+                let halves = ChamberPressure::new(&limit, Vec::new()).volume(&control);
+                let smooth = (4.0 * halves - mesh.surface.volume()) / 3.0;
+                let reference = volume_matched(&mesh.surface, smooth)?;
+                let hinges = hinges(triangles, &BTreeMap::new());
+                let wall = MidEdgeShell::new(&hinges, &reference, thickness, material.clone())?;
+                let areas = facet_areas(triangles, &reference);
+                (reference, Wall::MidEdge(wall), facet_points(triangles), areas)
+            }
+        };
+        let surface = SampledSurface::new(triangles, &points, mesh.surface.positions.len());
+        let (ties, held) = (Ties::default(), Vec::new());
+        Ok(Self { reference, wall, points, surface, ties, held, areas, thickness })
+    }
+
+    /// Of an open patch.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a fold is tighter than half the wall, or a support does not fit the patch.
+    pub(super) fn of_patch(
+        patch: &Patch,
+        element: ShellElement,
+        supports: &EdgeSupports,
+        material: &Material,
+    ) -> Result<Self, Rejected> {
+        let triangles = &patch.surface.triangles;
+        let thickness = patch.thickness;
+        let (supported, reference, wall, points, areas) = match element {
+            ShellElement::Loop => {
+                let bases = patch_bases(patch);
+                let reference = patch.control_points();
+                let stencils = &patch.stencils;
+                let wall =
+                    LoopShell::new(stencils, &bases, &reference, thickness, material.clone())?;
+                let areas = loop_areas(stencils, &bases, &reference);
+                let points = ElementPoints::of_stencils(stencils, &bases);
+                let supported = supports_of_control_points(patch, supports)?;
+                (supported, reference, Wall::Loop(wall), points, areas)
+            }
+            ShellElement::MidEdge => {
+                let (supported, reference) = supports_of_facets(patch, supports)?;
+                let beyond =
+                    patch.boundary_edges().into_iter().map(|edge| (edge.ends, edge.beyond));
+                let hinges = hinges(triangles, &beyond.collect());
+                let wall = MidEdgeShell::new(&hinges, &reference, thickness, material.clone())?;
+                let areas = facet_areas(triangles, &reference);
+                (supported, reference, Wall::MidEdge(wall), facet_points(triangles), areas)
+            }
+        };
+        let Supported { ties, held } = supported;
+        let surface = SampledSurface::new(triangles, &points, patch.vertices());
+        Ok(Self { reference, wall, points, surface, ties, held, areas, thickness })
+    }
+
+    /// The cuts that close the chamber of a patch in its planes of symmetry.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a side is open: neither in a plane of symmetry nor held in place.
+    pub(super) fn fans(
+        &self,
+        patch: &Patch,
+        supports: &EdgeSupports,
+        points_of: impl Fn(&BoundaryEdge) -> [usize; 3],
+    ) -> Result<Vec<Fan>, Rejected> {
+        let mut fans = Vec::new();
+        for edge in patch.boundary_edges() {
+            match supports[edge.side as usize] {
+                EdgeSupport::Clamped | EdgeSupport::Held([true, true, true]) => {}
+                EdgeSupport::Symmetry(axis) => {
+                    let mut apex = Vec3::zeros();
+                    apex[axis] = patch.surface.positions[edge.ends[0] as usize][axis];
+                    let [a, b, middle] = points_of(&edge);
+                    let points = self.points[edge.triangle].clone();
+                    fans.push(Fan { points, along: [a, middle, b], apex });
+                }
+                EdgeSupport::Free | EdgeSupport::Held(_) => {
+                    return Err(Rejected::new(
+                        Room::Model,
+                        "open_chamber",
+                        format!(
+                            "pressure wants a closed chamber, but side {:?} is open: neither in a plane of symmetry nor held in place",
+                            edge.side
+                        ),
+                        1.0,
+                    ));
+                }
+            }
+        }
+        Ok(fans)
+    }
+
+    /// Edges of a patch's `side` that carry the moment `per_length` (N mm / mm), with their nodes.
+    pub(super) fn moment_edges(
+        &self,
+        patch: &Patch,
+        side: Side,
+        per_length: Vec3,
+        length: impl Fn(&BoundaryEdge) -> f64,
+    ) -> (Vec<Vec<u32>>, Vec<MomentEdge>) {
+        let axis = per_length.normalize();
+        let edges = patch.boundary_edges().into_iter().filter(|edge| edge.side == side);
+        let of_edge = |edge: BoundaryEdge| {
+            let (nodes, rows) = self.tangent_rows(patch, &edge);
+            let moment = per_length.norm() * length(&edge);
+            let mut tangents = [Vec3::zeros(); 2];
+            for (&node, row) in nodes.iter().zip(&rows) {
+                let x = self.reference[node as usize];
+                tangents[0] += row[0] * x;
+                tangents[1] += row[1] * x;
+            }
+            let p = tangents[0].cross(&tangents[1]).normalize();
+            (nodes, MomentEdge { rows, moment, p, q: axis.cross(&p), settled: 0.0 })
+        };
+        edges.map(of_edge).unzip()
+    }
+
+    /// `[,1 ,2]` in the middle of an edge, of the nodes of its triangle.
+    fn tangent_rows(&self, patch: &Patch, edge: &BoundaryEdge) -> (Vec<u32>, Vec<[f64; 2]>) {
+        let triangle = patch.surface.triangles[edge.triangle];
+        match &self.wall {
+            Wall::MidEdge(_) => ascending(&triangle, &[[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]),
+            Wall::Loop(_) => {
+                let share = |corner: u32| if edge.ends.contains(&corner) { 0.5 } else { 0.0 };
+                let rows = LoopBasis::regular(share(triangle[1]), share(triangle[2]));
+                let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
+                ascending(&patch.stencils[edge.triangle].nodes, &rows)
+            }
+        }
+    }
+}
+
+/// One point of quadrature inside, three beside the edges: the nodes beyond an edge belong to few triangles, and one point
+/// in each would leave them soft.
+fn patch_bases(patch: &Patch) -> Vec<Rc<LoopBasis>> {
+    let [one, three] = [LoopBasis::new([6; 3]), LoopBasis::with_three_points()].map(Rc::new);
+    let basis = |stencil: &Stencil| {
+        let beside_edge = stencil.nodes.iter().any(|&v| v as usize >= patch.vertices());
+        if beside_edge { three.clone() } else { one.clone() }
+    };
+    patch.stencils.iter().map(basis).collect()
+}
+
+fn loop_areas(stencils: &[Stencil], bases: &[Rc<LoopBasis>], control: &[Vec3]) -> Vec<f64> {
+    let area = |(stencil, basis): (&Stencil, &Rc<LoopBasis>)| {
+        let x: Vec<Vec3> = stencil.nodes.iter().map(|&v| control[v as usize]).collect();
+        basis.area(&x)
+    };
+    stencils.iter().zip(bases).map(area).collect()
+}
+
+fn facet_areas(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<f64> {
+    let area = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| positions[v as usize]);
+        (b - a).cross(&(c - a)).norm() / 2.0
+    };
+    triangles.iter().map(area).collect()
+}
+
+fn facet_points(triangles: &[[u32; 3]]) -> Vec<ElementPoints> {
+    triangles.iter().map(|&triangle| ElementPoints::of_facet(triangle)).collect()
+}
+
+/// The corners of each triangle, and the node across each edge: the apex of the neighbour, or the node `beyond` an edge
+/// that has none.
+fn hinges(triangles: &[[u32; 3]], beyond: &BTreeMap<[u32; 2], u32>) -> Vec<[u32; 6]> {
+    let mut apexes = BTreeMap::new();
+    for &[a, b, c] in triangles {
+        apexes.extend([([a, b], c), ([b, c], a), ([c, a], b)]);
+    }
+    let across = |[a, b]: [u32; 2]| {
+        let node = apexes.get(&[b, a]).or_else(|| beyond.get(&[a, b]));
+        *node.expect("an edge has a neighbour or a node beyond")
+    };
+    triangles
+        .iter()
+        .map(|&[a, b, c]| [a, b, c, across([b, c]), across([c, a]), across([a, b])])
+        .collect()
+}
+
+impl Wall {
+    /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
+    pub(super) fn creased_share(&self) -> f64 {
+        match self {
+            Self::Loop(wall) => wall.creased_share(),
+            Self::MidEdge(wall) => wall.creased_share(),
+        }
+    }
+}
+
+impl Term for Wall {
+    fn stencils(&self) -> &[Vec<u32>] {
+        match self {
+            Self::Loop(wall) => wall.stencils(),
+            Self::MidEdge(wall) => wall.stencils(),
+        }
+    }
+
+    fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
+        match self {
+            Self::Loop(wall) => wall.energy(s, x),
+            Self::MidEdge(wall) => wall.energy(s, x),
+        }
+    }
+
+    fn derivatives(
+        &self,
+        s: usize,
+        x: &[Vec3],
+        local: &mut LocalDerivatives,
+    ) -> Result<f64, Inadmissible> {
+        match self {
+            Self::Loop(wall) => wall.derivatives(s, x, local),
+            Self::MidEdge(wall) => wall.derivatives(s, x, local),
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! A rotation-free Kirchhoff-Love shell on triangles with mid-edge normals: the fast element, for drafts.
+//!
+//! Each triangle and its three neighbours make one element with constant forms ([`super::mid_edge`]), whose energy is
+//! [`super::wall_point`]'s. The nodes lie on the surface. Stretch is that of the linear triangle; curvature follows
+//! the mesh: on irregular ones it is some per cent wrong however fine they are, as [`super::LoopShell`]'s is only
+//! beside irregular vertices. Put the nodes at [`super::volume_matched`] positions, or the facets enclose too little.
+//!
+//! Source: Chen, Sageman-Furnas, Wardetzky & Vouga (2018), physical simulation of environmentally induced thin shell
+//! deformation.
+
+use nalgebra::Matrix3;
+
+use super::mid_edge::MidEdge;
+use super::wall_point::{WallPoint, bending_depth};
+use crate::math::{Rejected, Room, Vec3};
+use crate::mesh::Rings;
+use crate::model::local::{LocalDerivatives, Term};
+use crate::model::material::Material;
+use crate::model::system::Inadmissible;
+
+/// The largest share of the wall that may be creased.
+const MOST_CREASED: f64 = 0.1;
+
+/// The stored energy of the wall.
+#[derive(Clone, Debug)]
+pub struct MidEdgeShell {
+    stencils: Vec<Vec<u32>>,
+    /// Where in its stencil each of an element's six nodes stands; on a very coarse mesh two tips may be one node.
+    places: Vec<[usize; 6]>,
+    points: Vec<WallPoint>,
+    material: Material,
+    creased_share: f64,
+}
+
+impl MidEdgeShell {
+    /// The wall of `thickness` (mm) over `patches` ([`mid_edge_patches`]), with nodes at `x` at rest.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a triangle has no area or two fold onto each other at rest, or when more than a tenth of the
+    /// wall folds more tightly than its thickness allows.
+    pub fn new(
+        patches: &[[u32; 6]],
+        x: &[Vec3],
+        thickness: f64,
+        material: Material,
+    ) -> Result<Self, Rejected> {
+        let mut shell = Self {
+            stencils: Vec::with_capacity(patches.len()),
+            places: Vec::with_capacity(patches.len()),
+            points: Vec::with_capacity(patches.len()),
+            material,
+            creased_share: 0.0,
+        };
+        let (mut whole_area, mut creased_area) = (0.0, 0.0);
+        for patch in patches {
+            let geometry = MidEdge::new(&patch.map(|v| x[v as usize]));
+            let geometry = geometry.map_err(|Inadmissible(what)| {
+                Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
+            })?;
+            let (forms, area) = (geometry.forms(), geometry.area());
+            let depth = bending_depth(forms, thickness);
+            shell.points.push(WallPoint::new(forms, area, thickness, depth));
+            whole_area += area;
+            creased_area += if depth < 1.0 { area } else { 0.0 };
+            let mut nodes = patch.to_vec();
+            nodes.sort_unstable();
+            nodes.dedup();
+            shell.places.push(patch.map(|v| nodes.partition_point(|&node| node < v)));
+            shell.stencils.push(nodes);
+        }
+        shell.creased_share = creased_area / whole_area;
+        if shell.creased_share <= MOST_CREASED {
+            return Ok(shell);
+        }
+        Err(Rejected::new(
+            Room::Model,
+            "folds_tighter_than_wall",
+            format!(
+                "{:.1} % of the wall folds tighter than its thickness allows, more than {:.0} %",
+                100.0 * shell.creased_share,
+                100.0 * MOST_CREASED
+            ),
+            shell.creased_share - MOST_CREASED,
+        ))
+    }
+
+    /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
+    #[must_use]
+    pub fn creased_share(&self) -> f64 {
+        self.creased_share
+    }
+
+    /// The wall's volume at rest, mm^3.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.points.iter().map(WallPoint::volume).sum()
+    }
+
+    fn geometry(&self, s: usize, x: &[Vec3]) -> Result<MidEdge, Inadmissible> {
+        MidEdge::new(&self.places[s].map(|place| x[place]))
+    }
+}
+
+/// The six nodes of each triangle's element: its corners, and across the edge opposite to each the neighbour's tip.
+///
+/// # Panics
+/// When `rings` are not those of `triangles`.
+#[must_use]
+pub fn mid_edge_patches(triangles: &[[u32; 3]], rings: &Rings) -> Vec<[u32; 6]> {
+    // Counter-clockwise around the edge's start: tip, end, apex.
+    let tip = |start: u32, end: u32| {
+        let ring = rings.ring(start);
+        let place = ring.iter().position(|&v| v == end).expect("the edge's end is in the ring");
+        ring[(place + ring.len() - 1) % ring.len()]
+    };
+    let patch = |&[a, b, c]: &[u32; 3]| [a, b, c, tip(b, c), tip(c, a), tip(a, b)];
+    triangles.iter().map(patch).collect()
+}
+
+impl Term for MidEdgeShell {
+    fn stencils(&self) -> &[Vec<u32>] {
+        &self.stencils
+    }
+
+    fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
+        let forms = self.geometry(s, x)?.forms();
+        self.points[s].energy(forms, &self.material)
+    }
+
+    fn derivatives(
+        &self,
+        s: usize,
+        x: &[Vec3],
+        local: &mut LocalDerivatives,
+    ) -> Result<f64, Inadmissible> {
+        let geometry = self.geometry(s, x)?;
+        let of_forms = self.points[s].derivatives(geometry.forms(), &self.material)?;
+        let places = &self.places[s];
+        for (&place, part) in places.iter().zip(geometry.gradient(&of_forms.gradient)) {
+            local.gradient_mut()[place] += part;
+        }
+        if local.with_hessian() {
+            scatter(&geometry.hessian(&of_forms), places, local);
+        }
+        Ok(of_forms.value)
+    }
+}
+
+/// Adds the lower blocks of an element to those of its stencil.
+fn scatter(hessian: &[[Matrix3<f64>; 6]; 6], places: &[usize; 6], local: &mut LocalDerivatives) {
+    for (i, (&row, blocks)) in places.iter().zip(hessian).enumerate() {
+        for (j, (&column, block)) in places.iter().zip(blocks).take(i + 1).enumerate() {
+            if row >= column {
+                *local.block_mut(row, column) += block;
+            }
+            // A block below the diagonal stands for its transposed one above it, too.
+            if row < column || (row == column && i != j) {
+                *local.block_mut(column, row) += block.transpose();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, Isometry3, Matrix2, Rotation2, UnitQuaternion};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::model::material::NeoHookean;
+    use crate::model::term_suite::{Case, term_suite};
+    use crate::model::test_shells::{TestShell, irregular_sphere};
+    use crate::surface::TriangleMesh;
+
+    const NEO_HOOKEAN: Material = Material::NeoHookean(NeoHookean { mu: 1.3 });
+
+    fn motion() -> Isometry3<f64> {
+        Isometry3::new(Vec3::new(3.0, -5.0, 2.0), Vec3::new(0.4, 1.9, -0.7))
+    }
+
+    fn wall(shell: &TestShell) -> MidEdgeShell {
+        let mesh = &shell.mesh;
+        let patches = mid_edge_patches(&mesh.surface.triangles, &mesh.rings);
+        MidEdgeShell::new(&patches, &shell.reference, mesh.thickness, NEO_HOOKEAN).unwrap()
+    }
+
+    /// The coarsest closed mesh: every triangle has the same tip three times.
+    fn tetrahedron(shell: &TestShell) -> Case<MidEdgeShell> {
+        let triangles = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+        let patches = mid_edge_patches(&triangles, &Rings::new(4, &triangles).unwrap());
+        let rest: Vec<Vec3> =
+            [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]]
+                .map(|x| 6.0 * Vec3::from(x))
+                .to_vec();
+        let positions = rest.iter().zip(&shell.deformed).map(|(x, y)| x + 0.1 * y).collect();
+        let term = MidEdgeShell::new(&patches, &rest, 0.8, NEO_HOOKEAN).unwrap();
+        Case { term, positions, motion: motion() }
+    }
+
+    term_suite!(neo_hookean, |shell| {
+        let term = wall(shell);
+        assert_eq!(term.creased_share(), 0.0);
+        Case { term, positions: shell.deformed.clone(), motion: motion() }
+    });
+    term_suite!(repeated_tips, tetrahedron);
+
+    /// Nodes anywhere in a plane, stretched alike: `W = psi t A` (the patch test).
+    #[test]
+    fn membrane_patch_has_the_exact_energy() {
+        let mut chance = ChaCha8Rng::seed_from_u64(3);
+        let (mu, thickness) = (1.3, 0.7);
+        for _ in 0..5 {
+            let flat: Vec<Vec3> =
+                [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]]
+                    .map(|[x, y]| Vec3::new(x, y, 0.0))
+                    .map(|x| x + 0.3 * Vec3::new(chance.random(), chance.random(), 0.0))
+                    .to_vec();
+            let shell =
+                MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &flat, thickness, NEO_HOOKEAN).unwrap();
+            let area = (flat[1] - flat[0]).cross(&(flat[2] - flat[0])).norm() / 2.0;
+            for stretch in [Matrix2::new(1.0, 0.0, 0.0, 1.0), Matrix2::new(1.5, 0.3, -0.2, 0.8)] {
+                let turn = UnitQuaternion::from_scaled_axis(Vec3::new(0.3, -1.0, 0.5));
+                let stretched: Vec<Vec3> =
+                    flat.iter().map(|x| turn * (stretch * x.xy()).push(0.0)).collect();
+                let (trace, det) = (stretch.norm_squared(), stretch.determinant());
+                let exact = mu / 2.0 * (trace + det.powi(-2) - 3.0) * thickness * area;
+                let energy = shell.energy(0, &stretched).unwrap();
+                assert!((energy - exact).abs() < 1e-13 * mu * thickness * area, "{energy} {exact}");
+            }
+        }
+    }
+
+    /// The energy of one element of a square grid of width `step` that is rolled up to the curvature `k` about an
+    /// axis that lies askew by `angle`, over that of the wall with these forms.
+    fn rolled(step: f64, angle: f64, k: f64, thickness: f64) -> f64 {
+        let flat = [[0, 0], [1, 0], [0, 1], [1, 1], [-1, 1], [1, -1]].map(|[i, j]| {
+            step * (Rotation2::new(angle) * Vec3::new(i as f64, j as f64, 0.0).xy()).push(0.0)
+        });
+        let shell =
+            MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &flat, thickness, NEO_HOOKEAN).unwrap();
+        let on_cylinder =
+            |x: &Vec3| Vec3::new((k * x.x).sin() / k, x.y, ((k * x.x).cos() - 1.0) / k);
+        let energy = shell.energy(0, &flat.each_ref().map(on_cylinder)).unwrap();
+        let metric = [1.0, 1.0, 0.0];
+        let point = WallPoint::new([metric, [0.0; 3]], step * step / 2.0, thickness, 1.0);
+        energy / point.energy([metric, [-k, 0.0, 0.0]], &NEO_HOOKEAN).unwrap()
+    }
+
+    #[test]
+    fn rolled_plate_has_the_bending_energy_of_its_curvature() {
+        let (k, thickness) = (0.1, 2.0);
+        for angle in [0.0, 0.4, 1.1, 2.5] {
+            let errors =
+                [1.0, 0.5, 0.25].map(|step| (rolled(step, angle, k, thickness) - 1.0).abs());
+            println!("{angle} {errors:?}");
+        }
+    }
+
+    fn sphere_curvature(mesh: &TriangleMesh) -> [f64; 3] {
+        let rings = Rings::new(mesh.positions.len(), &mesh.triangles).unwrap();
+        let (mut sum, mut squares, mut area, mut worst) = (0.0, 0.0, 0.0, 0.0_f64);
+        for patch in mid_edge_patches(&mesh.triangles, &rings) {
+            let geometry = MidEdge::new(&patch.map(|v| mesh.positions[v as usize])).unwrap();
+            let [[a11, a22, a12], [b11, b22, b12]] = geometry.forms();
+            let mean = -(a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / (a11 * a22 - a12 * a12) / 2.0;
+            sum += mean * geometry.area();
+            squares += (mean - 1.0).powi(2) * geometry.area();
+            area += geometry.area();
+            worst = worst.max((mean - 1.0).abs());
+        }
+        [sum / area - 1.0, (squares / area).sqrt(), worst]
+    }
+
+    #[test]
+    fn spheres_have_their_curvature() {
+        for n in 1..=4 {
+            println!("ico {n} {:?}", sphere_curvature(&TriangleMesh::sphere(1.0, n)));
+        }
+        for n in 1..=4 {
+            let mut chance = ChaCha8Rng::seed_from_u64(3);
+            let mesh = irregular_sphere(n, 10 * 4_usize.pow(n as u32) / 3, &mut chance);
+            println!("irr {n} {:?}", sphere_curvature(&mesh));
+        }
+    }
+
+    #[test]
+    fn free_shell_has_six_zero_modes() {
+        for seed in 0..3 {
+            let shell = TestShell::new(seed);
+            let wall = wall(&shell);
+            let n = shell.reference.len();
+            let mut k = DMatrix::zeros(3 * n, 3 * n);
+            let mut local = LocalDerivatives::with_capacity(6);
+            for (s, stencil) in wall.stencils().iter().enumerate() {
+                let x: Vec<Vec3> = stencil.iter().map(|&v| shell.reference[v as usize]).collect();
+                local.reset(x.len(), true);
+                wall.derivatives(s, &x, &mut local).unwrap();
+                for (i, &row) in stencil.iter().enumerate() {
+                    for (j, &column) in stencil.iter().enumerate().take(i + 1) {
+                        let mut block =
+                            k.fixed_view_mut::<3, 3>(3 * row as usize, 3 * column as usize);
+                        block += local.block(i, j);
+                    }
+                }
+            }
+            // Only the lower triangle is read.
+            let mut eigenvalues = k.symmetric_eigenvalues().as_slice().to_vec();
+            eigenvalues.sort_unstable_by(f64::total_cmp);
+            println!("{:?} {}", &eigenvalues[..8], eigenvalues[3 * n - 1]);
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Points of the surface that carry pressure, contact, loads and output: corners and edge midpoints of the triangles.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use super::loop_patch::LoopBasis;
+use crate::math::Vec3;
+use crate::mesh::Stencil;
+
+/// One point of the surface: its weights on the nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Nodes, ascending.
+    pub nodes: Vec<u32>,
+    /// Their weights, summing to one.
+    pub weights: Vec<f64>,
+}
+
+impl Sample {
+    /// The point on the surface, mm; of displacements, the displacement there.
+    #[must_use]
+    pub fn point(&self, positions: &[Vec3]) -> Vec3 {
+        self.nodes.iter().zip(&self.weights).map(|(&v, w)| *w * positions[v as usize]).sum()
+    }
+}
+
+/// The corners (0, 1, 2) of a triangle of the surface and the midpoints of the edges opposite to them (3, 4, 5).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementPoints {
+    /// Nodes, ascending.
+    pub nodes: Vec<u32>,
+    /// Weights of each node on the six points.
+    pub weights: Vec<[f64; 6]>,
+}
+
+/// The four facets of a triangle over its corners (0, 1, 2) and edge midpoints (3, 4, 5).
+pub(in crate::model) const SUBTRIANGLES: [[usize; 3]; 4] =
+    [[0, 5, 4], [1, 3, 5], [2, 4, 3], [3, 4, 5]];
+
+impl ElementPoints {
+    /// The points of a Loop triangle, on its limit surface.
+    #[must_use]
+    pub fn of_loop(stencil: &Stencil, basis: &LoopBasis) -> Self {
+        let (nodes, weights) = ascending(&stencil.nodes, &basis.limit);
+        Self { nodes, weights }
+    }
+
+    /// The points of a flat triangle.
+    #[must_use]
+    pub fn of_facet(triangle: [u32; 3]) -> Self {
+        let weights: [[f64; 6]; 3] = std::array::from_fn(|corner| {
+            let mut weights = [0.0, 0.0, 0.0, 0.5, 0.5, 0.5];
+            weights[corner] = 1.0;
+            weights[3 + corner] = 0.0;
+            weights
+        });
+        let (nodes, weights) = ascending(&triangle, &weights);
+        Self { nodes, weights }
+    }
+
+    /// The points of all Loop triangles.
+    #[must_use]
+    pub fn of_stencils(stencils: &[Stencil], bases: &[Rc<LoopBasis>]) -> Vec<Self> {
+        stencils.iter().zip(bases).map(|(stencil, basis)| Self::of_loop(stencil, basis)).collect()
+    }
+
+    /// The six points where the nodes are at `x`, in the order of the nodes.
+    pub(in crate::model) fn at<'a>(&self, x: impl IntoIterator<Item = &'a Vec3>) -> [Vec3; 6] {
+        let mut points = [Vec3::zeros(); 6];
+        for (x, weights) in x.into_iter().zip(&self.weights) {
+            for (point, weight) in points.iter_mut().zip(weights) {
+                *point += *weight * x;
+            }
+        }
+        points
+    }
+
+    /// One of the six points as a sample.
+    #[must_use]
+    pub fn sample(&self, point: usize) -> Sample {
+        let nonzero = |(node, weights): (&u32, &[f64; 6])| {
+            (weights[point] != 0.0).then_some((*node, weights[point]))
+        };
+        let (nodes, weights) = self.nodes.iter().zip(&self.weights).filter_map(nonzero).unzip();
+        Sample { nodes, weights }
+    }
+}
+
+/// `nodes` in ascending order without repetition, and their weights, added up where a node is repeated.
+pub(in crate::model) fn ascending<const N: usize>(
+    nodes: &[u32],
+    weights: &[[f64; N]],
+) -> (Vec<u32>, Vec<[f64; N]>) {
+    let mut merged = BTreeMap::new();
+    for (&node, weights) in nodes.iter().zip(weights) {
+        let sums = merged.entry(node).or_insert([0.0; N]);
+        sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
+    }
+    merged.into_iter().unzip()
+}
+
+/// The surface that carries pressure and contact, and is shown: points, and the facets between them.
+#[derive(Clone, Debug, Default)]
+pub struct SampledSurface {
+    /// The points of all vertices, then of all edge midpoints.
+    pub samples: Vec<Sample>,
+    /// Four facets for each triangle.
+    pub facets: Vec<[u32; 3]>,
+    /// How many of the samples are vertices.
+    pub vertices: usize,
+}
+
+impl SampledSurface {
+    /// The points of `triangles` over the vertices `0..vertices`.
+    ///
+    /// # Panics
+    /// When a vertex has no triangle.
+    #[must_use]
+    pub fn new(triangles: &[[u32; 3]], points: &[ElementPoints], vertices: usize) -> Self {
+        let mut samples: Vec<Option<Sample>> = vec![None; vertices];
+        let mut edges = BTreeMap::new();
+        let mut facets = Vec::with_capacity(4 * triangles.len());
+        for (corners, points) in triangles.iter().zip(points) {
+            let local: [u32; 6] = std::array::from_fn(|point| {
+                let index = if point < 3 {
+                    corners[point] as usize
+                } else {
+                    let [a, b] = [corners[(point + 1) % 3], corners[(point + 2) % 3]];
+                    *edges.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                        samples.push(None);
+                        samples.len() - 1
+                    })
+                };
+                samples[index].get_or_insert_with(|| points.sample(point));
+                index as u32
+            });
+            facets.extend(SUBTRIANGLES.map(|facet| facet.map(|point| local[point])));
+        }
+        let samples = samples.into_iter().map(|s| s.expect("every vertex has a triangle"));
+        Self { samples: samples.collect(), facets, vertices }
+    }
+
+    /// The points where the nodes are at `positions`, mm.
+    #[must_use]
+    pub fn at(&self, positions: &[Vec3]) -> Vec<Vec3> {
+        self.samples.iter().map(|sample| sample.point(positions)).collect()
+    }
+}
