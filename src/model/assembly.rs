@@ -290,13 +290,72 @@ fn add_column(column: &mut [f64], blocks: &[Matrix3<f64>], slots: &[u32]) {
     let height = column.len() / 3;
     let (first, others) = column.split_at_mut(height);
     let (second, third) = others.split_at_mut(height);
-    let columns = [first, second, third].map(|column| column.as_chunks_mut::<3>().0);
-    for (c, column) in columns.into_iter().enumerate() {
-        for (block, &slot) in blocks.iter().zip(slots) {
-            let entries = &mut column[slot as usize];
-            for (sum, value) in entries.iter_mut().zip(&block.as_slice()[3 * c..3 * c + 3]) {
-                *sum += value;
+    let [first, second, third] = [first, second, third].map(|c| c.as_chunks_mut::<3>().0);
+    for (block, &slot) in blocks.iter().zip(slots) {
+        let [one, two, three] = &block.data.0;
+        add_to(&mut first[slot as usize], one);
+        add_to(&mut second[slot as usize], two);
+        add_to(&mut third[slot as usize], three);
+    }
+}
+
+#[inline]
+fn add_to(sum: &mut [f64; 3], values: &[f64; 3]) {
+    *sum = [sum[0] + values[0], sum[1] + values[1], sum[2] + values[2]];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::material::{Material, NeoHookean};
+    use crate::model::test_shells::TestShell;
+
+    /// Everything that the assembler makes of a wall, by `threads` threads.
+    fn sums(shell: &TestShell, threads: usize) -> (f64, f64, Vec<f64>, Vec<f64>, Vec<f64>) {
+        let wall = shell.wall(Material::NeoHookean(NeoHookean { mu: 1.3 }));
+        let mut assembler = Assembler::new(shell.deformed.len(), &[&wall]);
+        let slots = assembler.slots(&wall);
+        let [mut residual, mut alone] = [0, 0].map(|_| vec![0.0; 3 * shell.deformed.len()]);
+        let mut tangent = vec![0.0; assembler.pattern().stored()];
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let x = &shell.deformed;
+        let (energy, same) = pool.install(|| {
+            let energy = assembler.energy(&wall, x).unwrap();
+            let same = assembler.add(&wall, &slots, x, &mut alone, None).unwrap();
+            let tangent = Some(tangent.as_mut_slice());
+            assert_eq!(assembler.add(&wall, &slots, x, &mut residual, tangent), Ok(same));
+            assert!(threads == 1 || assembler.evaluations.len() > 1);
+            (energy, same)
+        });
+        (energy, same, residual, alone, tangent)
+    }
+
+    #[test]
+    fn bits_do_not_depend_on_the_number_of_threads() {
+        for seed in 0..2 {
+            let shell = TestShell::new(seed);
+            let serial = sums(&shell, 1);
+            assert!(serial.2 == serial.3 && serial.4.iter().any(|&entry| entry != 0.0));
+            for threads in [2, 3] {
+                assert!(sums(&shell, threads) == serial, "{threads} threads");
             }
         }
+    }
+
+    /// Where a wall is undefined at several stencils, the first one speaks, whoever evaluated it.
+    #[test]
+    fn inadmissible_states_do_not_depend_on_the_number_of_threads() {
+        let mut shell = TestShell::new(0);
+        let wall = shell.wall(Material::NeoHookean(NeoHookean { mu: 1.3 }));
+        for &node in &wall.stencils()[70] {
+            shell.deformed[node as usize] = Vec3::zeros();
+        }
+        let x = &shell.deformed;
+        let energies = [1, 2, 3].map(|threads| {
+            let mut assembler = Assembler::new(x.len(), &[&wall]);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| assembler.energy(&wall, x))
+        });
+        assert!(energies[0].is_err() && energies == [energies[0]; 3], "{energies:?}");
     }
 }

@@ -171,7 +171,10 @@ impl Frame {
 /// `K_IJ += sum_st B_sI B_tJ H_st` for the lower blocks.
 fn add_hessian(hessian: &[[Block; 5]; 5], basis: &[Row], local: &mut LocalDerivatives) {
     for (j, column) in basis.iter().enumerate() {
-        let half = hessian.each_ref().map(|row| Block::combination(row, column));
+        let mut half = [Block::default(); 5];
+        for (half, row) in half.iter_mut().zip(hessian) {
+            *half = Block::combination(row, column);
+        }
         for (block, row) in local.column_mut(j).iter_mut().zip(&basis[j..]) {
             Block::combination(&half, row).add_to(block);
         }
@@ -193,13 +196,13 @@ impl Block {
 
     #[inline]
     fn combination(blocks: &[Self; 5], weights: &Row) -> Self {
-        Self(std::array::from_fn(|e| {
-            blocks[0].0[e] * weights[0]
-                + blocks[1].0[e] * weights[1]
-                + blocks[2].0[e] * weights[2]
-                + blocks[3].0[e] * weights[3]
-                + blocks[4].0[e] * weights[4]
-        }))
+        let mut sum = Self::default();
+        for (block, weight) in blocks.iter().zip(weights) {
+            for (sum, entry) in sum.0.iter_mut().zip(&block.0) {
+                *sum += weight * entry;
+            }
+        }
+        sum
     }
 
     #[inline]

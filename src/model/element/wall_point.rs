@@ -305,7 +305,8 @@ fn check_shifter(z: f64, a: Form, b: Form, det_a: f64) -> Result<(), Inadmissibl
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::material::NeoHookean;
+    use crate::model::material::{Compressible, NeoHookean, Ogden};
+    use crate::model::test_shells::difference;
 
     /// A flat wall bent to the curvature `k` at constant length stores `D k^2 / 2` with `D = 4 mu t^3 / 12`.
     #[test]
@@ -322,6 +323,45 @@ mod tests {
                 // Of second order in the bend; rounding is relative to mu t.
                 let tolerance = bend * bend + 1e-15 * mu * thickness / exact;
                 assert!((energy / exact - 1.0).abs() < tolerance, "{energy} {exact}");
+            }
+        }
+    }
+
+    /// Differences of the energy and of the gradient by the six form components, strongly bent and stretched.
+    #[test]
+    fn derivatives_equal_differences() {
+        let forms = [[1.0, 1.3, 0.2], [0.3, -0.2, 0.15]];
+        let point = WallPoint::new(forms, 2.0, 0.7, 1.0);
+        let state = [1.4, 1.6, -0.3, -0.35, 0.5, 0.25];
+        let at = |state: [f64; VARIABLES]| {
+            [[state[0], state[1], state[2]], [state[3], state[4], state[5]]]
+        };
+        for material in [
+            Material::NeoHookean(NeoHookean { mu: 1.3 }),
+            Material::Ogden(Ogden::ninjaflex_c2s()),
+            Material::Compressible(Compressible::ninjaflex_c2s()),
+        ] {
+            let jet = point.derivatives(at(state), &material).unwrap();
+            let energy = point.energy(at(state), &material).unwrap();
+            assert!((jet.value / energy - 1.0).abs() < 1e-14, "{} {energy}", jet.value);
+            let scale = jet.hessian.iter().fold(0.0_f64, |most, h| most.max(h.abs()));
+            // Of fourth order: (step / 1)^4, and rounding over the step.
+            let step = 1e-3;
+            for i in 0..VARIABLES {
+                let moved = |h: f64| {
+                    let mut state = state;
+                    state[i] += h;
+                    at(state)
+                };
+                let slope = difference(step, |h| point.energy(moved(h), &material).unwrap());
+                assert!((slope - jet.gradient[i]).abs() < 1e-10 * scale, "{i}: {slope}");
+                for j in 0..=i {
+                    let of_gradient =
+                        |h| point.derivatives(moved(h), &material).unwrap().gradient[j];
+                    let slope = difference(step, of_gradient);
+                    let exact = jet.hessian[i * (i + 1) / 2 + j];
+                    assert!((slope - exact).abs() < 1e-10 * scale, "{i} {j}: {slope} {exact}");
+                }
             }
         }
     }
