@@ -17,5 +17,5 @@ pub use fit::fitted_control_points;
 pub use loop_patch::LoopBasis;
 pub use loop_shell::LoopShell;
 pub use mid_edge_shell::{MidEdgeShell, mid_edge_patches};
+pub(in crate::model) use points::ascending;
 pub use points::{ElementPoints, Sample, SampledSurface};
-pub(in crate::model) use points::{SUBTRIANGLES, ascending};

@@ -34,8 +34,7 @@ pub struct ElementPoints {
 }
 
 /// The four facets of a triangle over its corners (0, 1, 2) and edge midpoints (3, 4, 5).
-pub(in crate::model) const SUBTRIANGLES: [[usize; 3]; 4] =
-    [[0, 5, 4], [1, 3, 5], [2, 4, 3], [3, 4, 5]];
+const SUBTRIANGLES: [[usize; 3]; 4] = [[0, 5, 4], [1, 3, 5], [2, 4, 3], [3, 4, 5]];
 
 impl ElementPoints {
     /// The points of a Loop triangle, on its limit surface.
