@@ -186,11 +186,18 @@ fn petsc_and_native_walk_through_the_same_tips() {
 fn printed_defaults_are_a_scene() {
     let workshop = Workshop::new();
     let defaults = workshop.succeed(&["simulate", "--print-defaults"]);
-    // The commented plane is one, too.
-    let commented = defaults.find("# [[plane]]").unwrap();
-    let scene = defaults[..commented].to_owned() + &defaults[commented..].replace("# ", "");
+    let uncommented = |first: &str| {
+        let lines = defaults.lines().skip_while(|line| *line != format!("# {first}"));
+        let block: Vec<&str> = lines.map_while(|line| line.strip_prefix("# ")).collect();
+        assert!(block.len() > 2, "{first} in {defaults}");
+        block.join("\n") + "\n"
+    };
+    // The commented plane and watch belong to it; the commented patch is a scene by itself.
+    let scene = defaults.clone() + &uncommented("[[plane]]") + &uncommented("[[watch]]");
     let coarse = scene.replace("edge = 3.0", "edge = 5.0").replace("steps = 10", "steps = 1");
     assert_ne!(coarse, scene);
     workshop.write("scene.toml", coarse);
     workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
+    workshop.write("patch.toml", uncommented("[part.patch]"));
+    workshop.succeed(&["simulate", "patch.toml", "--out", "patch"]);
 }
