@@ -187,8 +187,9 @@ fn printed_defaults_are_a_scene() {
     let workshop = Workshop::new();
     let defaults = workshop.succeed(&["simulate", "--print-defaults"]);
     // The commented plane is one, too.
-    let commented = defaults.find("# [[plane]]").unwrap();
-    let scene = defaults[..commented].to_owned() + &defaults[commented..].replace("# ", "");
+    let (before, commented) = defaults.split_once("# [[plane]]").unwrap();
+    let plane = commented.split("\n\n").next().unwrap().replace("# ", "");
+    let scene = format!("{before}[[plane]]{plane}\n");
     let coarse = scene.replace("edge = 3.0", "edge = 5.0").replace("steps = 10", "steps = 1");
     assert_ne!(coarse, scene);
     workshop.write("scene.toml", coarse);
