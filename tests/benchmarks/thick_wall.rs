@@ -73,7 +73,7 @@ impl Body {
     }
 }
 
-/// Published solutions for other radii (Green & Adkins), at stretches of the inside: B/A = 1.2 at 1.2, B/A = 2 at 1.5.
+/// Quadratures of the stress by another program, at stretches of the inside: B/A = 1.2 at 1.2, B/A = 2 at 1.5.
 #[test]
 fn exact_pressures_are_those_of_the_tables() {
     for (body, outer, inner_stretch, pressure) in [
