@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use serde::Serialize;
+
+use super::watch_curve::WatchCurve;
 use crate::fitness::Observation;
 use crate::io::vtu::{Picture, Values, write_series};
 use crate::io::{OutputError, atomic, csv, stl};
@@ -54,8 +57,30 @@ pub(super) fn write_pictures(
     write_series(&folder.join(format!("{name}.pvd")), &frames)
 }
 
+/// A row of `watches.csv`.
+#[derive(Debug, Serialize)]
+struct WatchRow<'a> {
+    watch: &'a str,
+    step: usize,
+    /// Share of the whole load.
+    load: f64,
+    value: f64,
+}
+
+/// Writes `watches.csv`: every watch at every step.
+pub(super) fn write_watches<'a>(
+    folder: &Path,
+    watches: impl Iterator<Item = (&'a str, &'a WatchCurve)>,
+) -> Result<(), OutputError> {
+    let rows = watches.flat_map(|(watch, curve)| {
+        let points = curve.points.iter().enumerate();
+        points.map(move |(step, at)| WatchRow { watch, step, load: at.load, value: at.value })
+    });
+    csv::write(&folder.join("watches.csv"), &rows.collect::<Vec<_>>())
+}
+
 /// Writes `value` as indented JSON.
-pub(super) fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> anyhow::Result<()> {
+pub(super) fn write_json<T: Serialize>(path: &Path, value: &T) -> anyhow::Result<()> {
     let mut text = serde_json::to_string_pretty(value)?;
     text.push('\n');
     Ok(atomic::write(path, text.as_bytes())?)

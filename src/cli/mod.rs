@@ -1,5 +1,6 @@
 //! The command line: what was typed, turned into work, and work turned into files and lines.
 
+mod closed_part;
 mod design_folder;
 mod evolve;
 mod formula;
@@ -17,6 +18,7 @@ mod simulate_shape;
 mod verify;
 mod verify_cases;
 mod verify_section;
+mod watch;
 mod watch_curve;
 
 use std::path::PathBuf;
@@ -96,6 +98,7 @@ enum Command {
         json: bool,
     },
     /// Compare with published numbers; the exit code is 1 when one is too far.
+    #[command(arg_required_else_help = true)]
     Verify {
         #[command(subcommand)]
         what: Verified,
@@ -111,15 +114,18 @@ enum Command {
 enum Verified {
     /// Textbook shells on finer and finer meshes: error, order of convergence, CPU time.
     Shells {
-        /// Only these cases, the files of verify/shells; again for each.
+        /// Only this case; again for each (see --list).
         #[arg(long)]
         case: Vec<String>,
         /// Only this element.
         #[arg(long)]
         element: Option<ElementName>,
-        /// Folder for errors.csv and a figure of each case; must not exist.
+        /// Folder for errors.csv, a figure of each case and a summary of all; must not exist.
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Print the names of the cases and stop.
+        #[arg(long)]
+        list: bool,
         /// Only the meshes on which an error is accepted.
         #[arg(long)]
         quick: bool,
@@ -225,7 +231,8 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
             simulate::run(&given(scene), &given(out), solver.map(Backend::from), json)
         }),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
-        Command::Verify { what: Verified::Shells { case, element, out, quick, solver } } => {
+        Command::Verify { what: Verified::Shells { list: true, .. } } => verify::list(),
+        Command::Verify { what: Verified::Shells { case, element, out, quick, solver, .. } } => {
             let element = element.map(ShellElement::from);
             let selection = Selection { cases: case, element, quick, solver: solver.into() };
             // Its CPU times are those of one thread.

@@ -1,10 +1,11 @@
-//! A part given by formulas, and what stands at its sides and vertices: supports, dead loads, and what is watched.
+//! A part given by formulas, and what stands at its sides and vertices: supports and dead loads.
 
 use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::formula::Formula;
 use super::material::within;
+use super::watch::{WatchSection, Watched};
 use crate::math::Vec3;
 use crate::mesh::Side;
 use crate::model::EdgeSupport;
@@ -78,31 +79,6 @@ pub(super) struct MomentSection {
     pub per_length: [f64; 3],
 }
 
-/// `[[watch]]`: a number that is followed along the path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct WatchSection {
-    pub name: String,
-    /// `s` and `t` of a vertex, with the `direction` along which its displacement is measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub direction: Option<[f64; 3]>,
-    /// Or something of the part as a whole.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub measure: Option<Measure>,
-}
-
-/// What can be measured of a part as a whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Measure {
-    /// Energy stored in the wall, mJ.
-    StoredEnergy,
-    /// Cube root of the enclosed volume over that at rest, less 1.
-    VolumeStrain,
-}
-
 /// An axis of space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -121,17 +97,6 @@ pub(super) enum Force {
     Edge { side: Side, per_length: Vec3 },
     /// MPa.
     Area { per_area: Vec3 },
-}
-
-/// What a `[[watch]]` follows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Watched {
-    /// The displacement of the vertex at `s`, `t` along a unit vector, mm.
-    Displacement {
-        at: [f64; 2],
-        direction: Vec3,
-    },
-    Whole(Measure),
 }
 
 impl PatchSection {
@@ -237,25 +202,6 @@ fn load_vector(what: &str, vector: [f64; 3]) -> anyhow::Result<Vec3> {
     Ok(Vec3::from(vector))
 }
 
-impl WatchSection {
-    pub(super) fn watched(&self) -> anyhow::Result<Watched> {
-        match (self.at, self.direction, self.measure) {
-            (Some(at), Some(direction), None) => {
-                let direction = Vec3::from(direction);
-                ensure!(
-                    direction.norm() > 1e-12 && direction.norm().is_finite(),
-                    "[[watch]] {}: direction must be a direction, not {:?}",
-                    self.name,
-                    direction.as_slice()
-                );
-                Ok(Watched::Displacement { at, direction: direction.normalize() })
-            }
-            (None, None, Some(measure)) => Ok(Watched::Whole(measure)),
-            _ => bail!("[[watch]] {}: give either `at` with `direction`, or `measure`", self.name),
-        }
-    }
-}
-
 /// What stands at the sides and vertices of a patch.
 pub(super) struct PatchConditions<'a> {
     pub edges: &'a [EdgeSection],
@@ -289,14 +235,8 @@ impl PatchConditions<'_> {
             moment.per_length()?;
         }
         for watch in self.watches {
-            match watch.watched()? {
-                Watched::Displacement { at, .. } => {
-                    patch.check_vertex(&format!("[[watch]] {}: at", watch.name), at)?;
-                }
-                Watched::Whole(Measure::StoredEnergy) => {}
-                Watched::Whole(Measure::VolumeStrain) => {
-                    bail!("[[watch]] {}: a patch encloses no volume", watch.name)
-                }
+            if let Watched::Vertex { at, .. } = watch.watched()? {
+                patch.check_vertex(&format!("[[watch]] {}: at", watch.name), at)?;
             }
         }
         Ok(())
@@ -372,9 +312,5 @@ mod tests {
         );
         assert!(force("at = [0, 0]").is_err());
         assert!(force("at = [0, 0]\nper_area = [0, 0, -90]").is_err());
-        let watch = |text: &str| toml::from_str::<WatchSection>(text).unwrap().watched();
-        assert!(watch("name = \"w\"\nat = [0, 0]\ndirection = [0, 0, 0]").is_err());
-        assert!(watch("name = \"w\"\nat = [0, 0]\nmeasure = \"stored-energy\"").is_err());
-        assert!(watch("name = \"w\"\nmeasure = \"stored-energy\"").is_ok());
     }
 }

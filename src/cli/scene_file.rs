@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::material::{MaterialSection, positive};
+use super::material::{MaterialSection, positive, within};
 use super::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PatchSection, PinSection,
-    WatchSection, Watched,
 };
 use super::run_file::{
     SolverSection, check_distance, check_mesh, check_normal, check_shell, check_solver,
 };
 use super::verify_section::{MeshSize, VerifySection};
+use super::watch::{WatchSection, Watchable};
 use crate::field::DesignBox;
 use crate::fitness::LoadSettings;
+use crate::genome::Network;
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::solve::{Backend, PathSettings};
@@ -28,7 +29,7 @@ pub(super) struct SceneFile {
     /// For a network: where the chamber may be, mm.
     #[serde(rename = "box", default)]
     pub design_box: DesignBox,
-    /// For a network: how finely it is meshed.
+    /// For a network, and of an ellipsoid its edge: how finely it is meshed.
     #[serde(default)]
     pub mesh: MeshSettings,
     #[serde(default)]
@@ -76,6 +77,9 @@ pub(super) struct Part {
     /// A closed sphere about the origin, free but for its rigid motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere: Option<SphereSection>,
+    /// A closed ellipsoid about the origin, free but for its rigid motions; [mesh] edge says how fine.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ellipsoid: Option<EllipsoidSection>,
 }
 
 /// A sphere of triangles: an icosahedron whose triangles are quartered again and again.
@@ -86,6 +90,14 @@ pub(super) struct SphereSection {
     pub radius: f64,
     /// How often; 3 makes 1280 triangles.
     pub subdivisions: usize,
+}
+
+/// An ellipsoid of triangles of one size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EllipsoidSection {
+    /// Of the mid-surface along x, y and z, mm.
+    pub semi_axes: [f64; 3],
 }
 
 /// What drives the part, and how its path is walked.
@@ -124,10 +136,22 @@ fn default_solver() -> SolverSection {
 
 /// What a scene's part is made from.
 pub(super) enum PartSource<'a> {
-    Network(PathBuf),
+    Network {
+        file: PathBuf,
+        network: Network,
+    },
     Stl(PathBuf),
     Patch(&'a PatchSection),
     Sphere(SphereSection),
+    /// Its semi-axes, mm.
+    Ellipsoid([f64; 3]),
+}
+
+impl PartSource<'_> {
+    /// Whether the part is clamped at its base and has a tip.
+    pub(super) fn is_actuator(&self) -> bool {
+        matches!(self, Self::Network { .. } | Self::Stl(_))
+    }
 }
 
 impl SceneFile {
@@ -161,13 +185,27 @@ impl SceneFile {
             moments: &self.moments,
             watches: &self.watches,
         };
-        if let Some(patch) = &self.part.patch {
+        let Part { patch, sphere, ellipsoid, .. } = &self.part;
+        let is_free = sphere.is_some() || ellipsoid.is_some();
+        let watchable = match patch {
+            Some(_) => Watchable::Patch,
+            None if is_free => Watchable::FreeBody,
+            None => Watchable::Actuator,
+        };
+        for watch in &self.watches {
+            watch.check(watchable)?;
+        }
+        ensure!(
+            watchable == Watchable::Actuator || self.planes.is_empty(),
+            "[[plane]] wants a clamped part: a network or an STL file"
+        );
+        ensure!(
+            watchable != Watchable::Actuator || !self.load.linear,
+            "[load] linear wants a patch, a sphere or an ellipsoid"
+        );
+        if let Some(patch) = patch {
             patch.check()?;
             conditions.check(patch)?;
-            ensure!(
-                self.planes.is_empty(),
-                "[[plane]] wants a closed part, but [part.patch] is open"
-            );
         } else {
             let listed = [
                 ("edge", self.edges.is_empty()),
@@ -178,15 +216,17 @@ impl SceneFile {
             if let Some((name, _)) = listed.iter().find(|(_, is_empty)| !is_empty) {
                 bail!("[[{name}]] wants a [part.patch], which alone has sides, `s` and `t`");
             }
-            for watch in &self.watches {
-                ensure!(
-                    matches!(watch.watched()?, Watched::Whole(_)),
-                    "[[watch]] {}: `at` wants a [part.patch], which alone has `s` and `t`",
-                    watch.name
-                );
-            }
         }
-        if let Some(sphere) = self.part.sphere {
+        if let Some(EllipsoidSection { semi_axes }) = *ellipsoid {
+            for semi_axis in semi_axes {
+                positive("[part.ellipsoid] semi_axes", semi_axis)?;
+            }
+            let shortest = semi_axes.into_iter().fold(f64::INFINITY, f64::min);
+            let longest = semi_axes.into_iter().fold(0.0, f64::max);
+            // Beyond, its ends are sharper than its triangles; or it has some hundred thousand of them.
+            within("[mesh] edge of a [part.ellipsoid]", self.mesh.edge, 0.01 * longest, shortest)?;
+        }
+        if let Some(sphere) = *sphere {
             positive("[part.sphere] radius", sphere.radius)?;
             ensure!(
                 (1..=MOST_SUBDIVISIONS).contains(&sphere.subdivisions),
@@ -201,7 +241,7 @@ impl SceneFile {
         Ok(())
     }
 
-    /// The same scene on another mesh of its patch or sphere.
+    /// The same scene on another mesh of its part.
     pub(super) fn with_mesh(&self, mesh: MeshSize) -> anyhow::Result<Self> {
         let mut scene = self.clone();
         match (mesh, &mut scene.part) {
@@ -209,8 +249,11 @@ impl SceneFile {
             (MeshSize::Subdivisions(n), Part { sphere: Some(sphere), .. }) => {
                 sphere.subdivisions = n;
             }
+            (MeshSize::Edge(edge), Part { patch: None, sphere: None, .. }) => {
+                scene.mesh.edge = edge;
+            }
             _ => bail!(
-                "[verify] mesh {mesh} fits no part here: a patch wants [n, m], a sphere one number"
+                "[verify] mesh {mesh} fits no part here: a patch wants [n, m], a sphere a whole number, other parts an edge in mm as 3.0"
             ),
         }
         Ok(scene)
@@ -227,24 +270,30 @@ impl SceneFile {
         LoadSettings { pressure: largest, path: self.load.path }
     }
 
-    /// What the part is made from; files are found beside the scene file at `path`.
-    pub(super) fn source(&self, path: &Path) -> anyhow::Result<PartSource<'_>> {
+    /// What the part is made from; files are found beside the scene file at `path`, networks by `read`.
+    pub(super) fn source(
+        &self,
+        path: &Path,
+        read: impl Fn(&Path) -> anyhow::Result<Network>,
+    ) -> anyhow::Result<PartSource<'_>> {
         let beside = |file: &PathBuf| path.parent().unwrap_or(Path::new("")).join(file);
-        let Part { network, stl, patch, sphere } = &self.part;
-        let given = [
-            network.as_ref().map(|file| PartSource::Network(beside(file))),
-            stl.as_ref().map(|file| PartSource::Stl(beside(file))),
-            patch.as_ref().map(PartSource::Patch),
-            sphere.map(PartSource::Sphere),
-        ];
-        let mut given = given.into_iter().flatten();
-        let one = "`network`, `stl`, `patch` and `sphere`";
-        match (given.next(), given.next()) {
-            (Some(source), None) => Ok(source),
-            (Some(_), Some(_)) => {
-                bail!("{}: [part] has more than one of {one}; give one", path.display())
+        let Part { network, stl, patch, sphere, ellipsoid } = &self.part;
+        let one = "`network`, `stl`, `patch`, `sphere` and `ellipsoid`";
+        match (network, stl, patch, sphere, ellipsoid) {
+            (Some(file), None, None, None, None) => {
+                let file = beside(file);
+                Ok(PartSource::Network { network: read(&file)?, file })
             }
-            (None, _) => bail!("{}: [part] has none of {one}; give one", path.display()),
+            (None, Some(file), None, None, None) => Ok(PartSource::Stl(beside(file))),
+            (None, None, Some(patch), None, None) => Ok(PartSource::Patch(patch)),
+            (None, None, None, Some(sphere), None) => Ok(PartSource::Sphere(*sphere)),
+            (None, None, None, None, Some(ellipsoid)) => {
+                Ok(PartSource::Ellipsoid(ellipsoid.semi_axes))
+            }
+            (None, None, None, None, None) => {
+                bail!("{}: [part] has none of {one}; give one", path.display())
+            }
+            _ => bail!("{}: [part] has more than one of {one}; give one", path.display()),
         }
     }
 }
@@ -259,19 +308,25 @@ const LIST_EXAMPLES: &str = "
 # normal = [1.0, 0.0, 0.0]
 # distance = 5.0
 
-# Instead of [part] network, an open surface of formulas with dead loads, see verify/shells:
+# A number followed along the path, in watches.csv: tip with a direction, chord-angle, volume-growth, stored-energy.
+# [[watch]]
+# name = \"chord\"
+# measure = \"chord-angle\"
+
+# Instead of [part] network: [part.sphere], [part.ellipsoid] (verify/shells has both), or an open surface of formulas
+# with dead loads, of which examples/scenes/plate.toml explains every key:
 # [part.patch]
 # s = [0, 40]
 # t = [0, 25]
-# cells = [16, 16]
+# cells = [8, 8]
 # x = \"25*sin(s*pi/180)\"
 # y = \"t\"
 # z = \"25*cos(s*pi/180)\"
 # [[edge]]
 # side = \"t0\"  # or s0, s1, t1
-# hold = [\"x\", \"z\"]  # or clamped = true, or symmetry = \"y\"
+# clamped = true  # or symmetry = \"y\", or hold = [\"x\", \"z\"]
 # [[force]]
-# per_area = [0, 0, -90]  # or at with force, or side with per_length
+# per_area = [0, 0, -1e-4]  # MPa; or at with force, or side with per_length
 ";
 
 /// A scene file with every default, as TOML.

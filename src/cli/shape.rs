@@ -1,14 +1,16 @@
-//! Parts that a scene file describes in a few numbers: a patch of formulas, or a sphere; loaded, solved and watched.
+//! A part of a scene file, loaded, solved and watched.
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow};
 
-use super::patch_part::{Force, Measure, PatchSection, Watched};
-use super::scene_file::{PartSource, SceneFile, SphereSection};
-use super::watch_curve::{CurvePoint, WatchCurve};
+use super::closed_part;
+use super::patch_part::{Force, PatchSection};
+use super::scene_file::{PartSource, SceneFile};
+use super::watch::{Watch, Watched};
+use super::watch_curve::WatchCurve;
 use crate::math::cpu_seconds;
-use crate::mesh::{Patch, ShellMesh, ShellSettings, Side};
+use crate::mesh::{Patch, ShellMesh, Side};
 use crate::model::system::{LoadedSystem, System};
-use crate::model::{DeadLoad, EdgeSupports, PatchLoads, ShellModel, Support};
+use crate::model::{DeadLoad, EdgeSupports, PatchLoads, ShellModel};
 use crate::solve::{Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, follow};
 use crate::surface::TriangleMesh;
 
@@ -16,8 +18,7 @@ use crate::surface::TriangleMesh;
 pub(super) struct Shape {
     pub surface: TriangleMesh,
     pub model: ShellModel,
-    /// Vertices of the watches, none for what is measured of the whole.
-    watched: Vec<(Watched, Option<u32>)>,
+    watches: Vec<Watch>,
 }
 
 /// What a shape did under its load.
@@ -36,15 +37,18 @@ impl Shape {
     /// The part of a `scene`.
     ///
     /// # Errors
-    /// When the surface or what holds it does not make a shell; or the part is one of a file.
+    /// When the surface or what holds it does not make a shell.
     pub(super) fn new(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
-        let watched = scene.watches.iter().map(|watch| watch.watched());
-        let watched = watched.collect::<anyhow::Result<Vec<_>>>()?;
-        match source {
-            PartSource::Patch(section) => of_patch(scene, section, watched),
-            PartSource::Sphere(sphere) => of_sphere(scene, sphere, watched),
-            PartSource::Network(_) | PartSource::Stl(_) => bail!("the part is one of a file"),
+        if let PartSource::Patch(section) = source {
+            return of_patch(scene, section);
         }
+        let mesh = closed_part::shell(scene, source)?;
+        let support = closed_part::support(source, &mesh);
+        let planes = closed_part::planes(scene, &mesh);
+        let model = ShellModel::new(&mesh, &scene.material.material()?, &support, &planes)
+            .map_err(|rejected| anyhow!("{rejected}"))?;
+        let watches = watches_of_closed(scene, &mesh)?;
+        Ok(Self { surface: mesh.surface, model, watches })
     }
 
     /// Walks the path of the `scene`, or takes its one linear step.
@@ -68,49 +72,23 @@ impl Shape {
             unknowns: self.model.free_unknowns(),
             cpu_seconds: seconds,
             curves: self
-                .watched
+                .watches
                 .iter()
-                .map(|&w| self.curve(w, &walked, largest.pressure))
+                .map(|watch| watch.curve(&self.model, &walked.points, largest.pressure))
                 .collect(),
             limit_load: walked.points.get(last).map_or(0.0, |point| point.load / largest.pressure),
             walked,
         })
     }
-
-    /// A watched number over the share of the `largest` load.
-    fn curve(
-        &self,
-        (watched, vertex): (Watched, Option<u32>),
-        walked: &Walked,
-        largest: f64,
-    ) -> WatchCurve {
-        let at_rest = walked.points.first().map_or(0.0, |point| point.conjugate);
-        let number = |point: &PathPoint| match (watched, vertex) {
-            (Watched::Displacement { direction, .. }, Some(vertex)) => {
-                // The displacement of a vertex is linear in the unknowns.
-                let along =
-                    |x: &[f64]| self.model.vertex_displacements(x)[vertex as usize].dot(&direction);
-                [along(&point.x), along(&point.rate)]
-            }
-            (Watched::Whole(Measure::VolumeStrain), _) => {
-                let stretch = (point.conjugate / at_rest).cbrt();
-                [stretch - 1.0, stretch / (3.0 * point.conjugate) * point.conjugate_rate]
-            }
-            _ => [point.stored_energy, point.load * point.conjugate_rate],
-        };
-        let point = |point: &PathPoint| {
-            let [value, rate] = number(point);
-            CurvePoint { load: point.load / largest, value, rate: rate * largest }
-        };
-        WatchCurve { points: walked.points.iter().map(point).collect() }
-    }
 }
 
-fn of_patch(
-    scene: &SceneFile,
-    section: &PatchSection,
-    watched: Vec<Watched>,
-) -> anyhow::Result<Shape> {
+/// The watches of a closed part.
+pub(super) fn watches_of_closed(scene: &SceneFile, mesh: &ShellMesh) -> anyhow::Result<Vec<Watch>> {
+    let watch = |watched| Watch { watched, vertices: mesh.tip.clone(), length: mesh.length };
+    scene.watches.iter().map(|section| section.watched().map(watch)).collect()
+}
+
+fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> {
     let surface = section.surface()?;
     let patch = Patch::new(section.cells, section.s, section.t, scene.wall.thickness, &surface)
         .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
@@ -144,43 +122,19 @@ fn of_patch(
     let material = scene.material.material()?;
     let model = ShellModel::of_patch(&patch, scene.wall.element, &material, &loads)
         .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
-    let watched = watched
-        .into_iter()
-        .map(|watched| {
-            let vertex = match watched {
-                Watched::Displacement { at, .. } => Some(vertex(at)?),
-                Watched::Whole(_) => None,
+    let watches = scene
+        .watches
+        .iter()
+        .map(|section| {
+            let watched = section.watched()?;
+            let vertices = match watched {
+                Watched::Vertex { at, .. } => vec![vertex(at)?],
+                _ => Vec::new(),
             };
-            Ok((watched, vertex))
+            Ok(Watch { watched, vertices, length: 0.0 })
         })
         .collect::<anyhow::Result<_>>()?;
-    Ok(Shape { surface: patch.surface, model, watched })
-}
-
-/// Held against its six rigid motions alone: 3 unknowns at the top, 2 at the bottom, 1 beside.
-fn of_sphere(
-    scene: &SceneFile,
-    sphere: &SphereSection,
-    watched: Vec<Watched>,
-) -> anyhow::Result<Shape> {
-    let surface = TriangleMesh::sphere(sphere.radius, sphere.subdivisions);
-    let farthest = |axis: usize, sign: f64| {
-        let height = |v: &u32| sign * surface.positions[*v as usize][axis];
-        let vertices = 0..surface.positions.len() as u32;
-        vertices.max_by(|a, b| height(a).total_cmp(&height(b))).expect("a sphere has vertices")
-    };
-    let (top, bottom, side) = (farthest(2, 1.0), farthest(2, -1.0), farthest(0, 1.0));
-    let pins = vec![3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
-    // A mesh wants a clamp, though these supports do not use it.
-    let settings =
-        ShellSettings { clamp_height: sphere.radius / scene.wall.thickness, ..scene.wall };
-    let rejected = |rejected| anyhow!("[part.sphere]: {rejected}");
-    let mesh = ShellMesh::new(surface, &settings).map_err(rejected)?;
-    let material = scene.material.material()?;
-    let model =
-        ShellModel::new(&mesh, &material, &Support::Unknowns(pins), &[]).map_err(rejected)?;
-    let watched = watched.into_iter().map(|watched| (watched, None)).collect();
-    Ok(Shape { surface: mesh.surface, model, watched })
+    Ok(Shape { surface: patch.surface, model, watches })
 }
 
 /// Rest, and the state that the linear theory has at the `largest` load.

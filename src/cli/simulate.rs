@@ -3,24 +3,24 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context, anyhow, bail, ensure};
+use anyhow::{Context, anyhow, ensure};
 use serde::Serialize;
 
-use super::design_folder::{write_json, write_path, write_surface};
+use super::closed_part::{planes, shell};
+use super::design_folder::{write_json, write_path, write_surface, write_watches};
 use super::provenance::Provenance;
-use super::scene_file::{PartSource, SceneFile};
+use super::scene_file::SceneFile;
+use super::shape::watches_of_closed;
 use super::{say, simulate_shape};
-use crate::field::{CappedField, CompiledNetwork};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, stl, toml_file};
-use crate::math::{Vec3, cpu_seconds};
-use crate::mesh::{ShellMesh, shell_of_field};
-use crate::model::contact::PlaneSettings;
+use crate::io::{OutputFolder, atomic, toml_file};
+use crate::math::cpu_seconds;
+use crate::mesh::ShellMesh;
 use crate::model::system::System;
 use crate::model::{ShellModel, Support};
 use crate::solve::{Backend, Ending, Path as Walked, SolveTimes, follow};
-use crate::surface::{SurfaceQuality, intersecting_pairs};
+use crate::surface::SurfaceQuality;
 
 /// `summary.json`: the last state of the path, and what it took.
 #[derive(Debug, Serialize)]
@@ -61,8 +61,8 @@ pub(super) fn run(
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
-    let source = scene.source(path)?;
-    if let PartSource::Patch(_) | PartSource::Sphere(_) = source {
+    let source = scene.source(path, read_network)?;
+    if !source.is_actuator() {
         return simulate_shape::run(path, &scene, &source, out, json);
     }
     let mesh = shell(&scene, &source)?;
@@ -70,14 +70,7 @@ pub(super) fn run(
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;
 
-    let planes: Vec<PlaneSettings> = scene
-        .planes
-        .iter()
-        .map(|plane| {
-            let normal = Vec3::from(plane.normal).normalize();
-            PlaneSettings::before(&mesh, normal, plane.distance, scene.load_settings().pressure)
-        })
-        .collect();
+    let planes = planes(&scene, &mesh);
     let mut model = ShellModel::new(&mesh, &scene.material.material()?, &Support::Clamp, &planes)
         .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
     let folder = OutputFolder::create_new(out)?;
@@ -114,6 +107,15 @@ pub(super) fn run(
     atomic::write(&folder.file("scene.toml"), toml::to_string(&scene)?.as_bytes())?;
     write_surface(folder.path(), &mesh)?;
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
+    if !scene.watches.is_empty() {
+        let largest = scene.load_settings().pressure;
+        let curves: Vec<_> = watches_of_closed(&scene, &mesh)?
+            .iter()
+            .map(|watch| watch.curve(&model, &walked.points, largest))
+            .collect();
+        let names = scene.watches.iter().map(|watch| watch.name.as_str());
+        write_watches(folder.path(), names.zip(&curves))?;
+    }
     write_json(&folder.file("summary.json"), &summary)?;
     say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });
     Ok(())
@@ -130,40 +132,6 @@ fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, So
         walked.ending.name().replace('_', " ")
     );
     Ok((walked, solver.times()))
-}
-
-fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<ShellMesh> {
-    let made = match source {
-        PartSource::Network(file) => {
-            let network = read_network(file)?;
-            let field = CappedField::new(
-                CompiledNetwork::new(&network),
-                scene.design_box,
-                scene.mesh.rim_radius,
-            )?;
-            shell_of_field(&field, &scene.mesh, &scene.wall)
-                .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))?
-        }
-        PartSource::Stl(file) => {
-            let surface = stl::read(file, stl::WELD_TOLERANCE)?;
-            let name = file.display();
-            surface.check_closed_manifold().with_context(|| name.to_string())?;
-            let parts = surface.components().iter().max().map_or(0, |&last| last + 1);
-            ensure!(
-                parts == 1,
-                "{name}: {parts} separate surfaces, but one closed chamber is wanted"
-            );
-            let crossings = intersecting_pairs(&surface).len();
-            ensure!(
-                crossings == 0,
-                "{name}: {crossings} pairs of triangles pass through each other"
-            );
-            ShellMesh::new(surface, &scene.wall)
-                .map_err(|rejected| anyhow!("{name}: {rejected}"))?
-        }
-        PartSource::Patch(_) | PartSource::Sphere(_) => bail!("the part is not one of a file"),
-    };
-    Ok(made)
 }
 
 /// Reads a network file.

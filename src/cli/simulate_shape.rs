@@ -1,11 +1,11 @@
-//! `simulate` on a patch or a sphere: its path, its watches, its pictures.
+//! `simulate` on a part without a tip (a patch, a sphere, an ellipsoid): its path, its watches, its pictures.
 
 use std::path::Path;
 
 use anyhow::{Context, ensure};
 use serde::Serialize;
 
-use super::design_folder::{write_json, write_pictures};
+use super::design_folder::{write_json, write_pictures, write_watches};
 use super::provenance::Provenance;
 use super::say;
 use super::scene_file::{PartSource, SceneFile};
@@ -18,7 +18,7 @@ use crate::solve::{Backend, Ending};
 #[derive(Debug, Serialize)]
 struct Row {
     step: usize,
-    /// Of a patch: the share of its loads; of a sphere: the pressure, MPa.
+    /// Of a patch: the share of its loads; of a closed part: the pressure, MPa.
     load: f64,
     /// mJ.
     work: f64,
@@ -28,16 +28,6 @@ struct Row {
     newton_iterations: usize,
     /// Iterations among them with an indefinite tangent.
     indefinite_iterations: usize,
-}
-
-/// A row of `watches.csv`.
-#[derive(Debug, Serialize)]
-struct WatchRow<'a> {
-    watch: &'a str,
-    step: usize,
-    /// Share of the whole load.
-    load: f64,
-    value: f64,
 }
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -101,12 +91,6 @@ pub(super) fn run(
     );
     let last = rows.last().expect("it has the start at least");
     let watches = || scene.watches.iter().map(|watch| watch.name.as_str()).zip(&curves);
-    let watch_rows: Vec<WatchRow<'_>> = watches()
-        .flat_map(|(watch, curve)| {
-            let points = curve.points.iter().enumerate();
-            points.map(move |(step, at)| WatchRow { watch, step, load: at.load, value: at.value })
-        })
-        .collect();
     let final_values = watches()
         .filter_map(|(name, curve)| Some(Watch { name, value: curve.points.last()?.value }))
         .collect();
@@ -127,7 +111,7 @@ pub(super) fn run(
     atomic::write(&folder.file("scene.toml"), toml::to_string(scene)?.as_bytes())?;
     stl::write(&folder.file("surface.stl"), &shape.surface)?;
     csv::write(&folder.file("path.csv"), &rows)?;
-    csv::write(&folder.file("watches.csv"), &watch_rows)?;
+    write_watches(folder.path(), watches())?;
     write_pictures(folder.path(), "path", &shape.surface, &shape.model, &walked.points)?;
     write_json(&folder.file("summary.json"), &summary)?;
     say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });

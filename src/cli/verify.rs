@@ -12,13 +12,15 @@ use serde::Serialize;
 use super::run_file::check_solver;
 use super::say;
 use super::shape::{Measured, Shape};
-use super::verify_cases::{Case, case, names};
+use super::verify_cases::{Case, case, names, network};
 use super::verify_section::{MeshSize, VerifySection};
 use super::watch_curve::Deviation;
 use crate::io::{OutputFolder, atomic, csv};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
-use crate::report::{ErrorCurve, ErrorPoint, error_svg, png};
+use crate::report::{
+    ErrorCurve, ErrorPoint, JudgedError, OverviewRow, error_svg, overview_svg, png,
+};
 use crate::solve::Backend;
 
 /// What to run.
@@ -63,6 +65,12 @@ struct Row {
 /// # Errors
 /// When a case misses what is accepted of it.
 pub(super) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
+    // Parallel loops stay on this thread's account: `cpu_seconds` is of one thread.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()?;
+    pool.install(|| run_on_this_thread(selection, out))
+}
+
+fn run_on_this_thread(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
     check_solver(selection.solver)?;
     out.map(OutputFolder::check_new).transpose()?;
     let chosen: Vec<&str> = if selection.cases.is_empty() {
@@ -79,9 +87,8 @@ pub(super) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<(
         if let Some(folder) = &folder {
             // After every case, so that an interrupted run leaves what it has found.
             csv::write(&folder.file("errors.csv"), &rows)?;
-            let svg = error_svg(case.title, &curves);
-            atomic::write(&folder.file(&format!("{}.svg", case.name)), svg.as_bytes())?;
-            atomic::write(&folder.file(&format!("{}.png", case.name)), &png(&svg, 2.0))?;
+            write_figure(folder, case.name, &error_svg(&case.title, &curves))?;
+            write_figure(folder, "summary", &overview_svg(&overview(&rows)))?;
         }
     }
     let judged = |verdict: &str| {
@@ -97,6 +104,36 @@ pub(super) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<(
     say(&format!("{} within what is accepted, {} too far", near.len(), far.len()));
     ensure!(far.is_empty(), "too far from the reference: {}", far.join(", "));
     Ok(())
+}
+
+/// Prints the name of every case, and what it is.
+pub(super) fn list() -> anyhow::Result<()> {
+    for name in names() {
+        say(&format!("{name:<31} {}", case(name)?.title));
+    }
+    Ok(())
+}
+
+fn write_figure(folder: &OutputFolder, name: &str, svg: &str) -> anyhow::Result<()> {
+    atomic::write(&folder.file(&format!("{name}.svg")), svg.as_bytes())?;
+    Ok(atomic::write(&folder.file(&format!("{name}.png")), &png(svg, 2.0))?)
+}
+
+/// The judged error of every run: that of its worst watch, which comes first.
+fn overview(rows: &[Row]) -> Vec<OverviewRow> {
+    let mut overview: Vec<OverviewRow> = Vec::new();
+    for row in rows {
+        let Some(accepted) = row.accepted else { continue };
+        if overview.last().is_none_or(|last| last.case != row.case) {
+            overview.push(OverviewRow { case: row.case.to_owned(), errors: Vec::new() });
+        }
+        let errors = &mut overview.last_mut().expect("one was pushed").errors;
+        if errors.iter().all(|judged| judged.element != row.element) {
+            let element = row.element.to_owned();
+            errors.push(JudgedError { element, error: row.error, accepted });
+        }
+    }
+    overview
 }
 
 /// Runs one case with every element; adds its rows and returns its curves.
@@ -197,7 +234,7 @@ fn measure(
     let mut scene = case.scene.with_mesh(mesh)?;
     scene.wall.element = element;
     let start = cpu_seconds();
-    let source = scene.source(Path::new(case.name))?;
+    let source = scene.source(Path::new("verify/shells/case.toml"), network)?;
     let mut shape = Shape::new(&scene, &source)?;
     let measured = shape.measure(&scene, solver, start)?;
     if measured.walked.points.is_empty() {
@@ -229,7 +266,7 @@ fn deviations(case: &Case, measured: &Measured) -> Vec<Compared> {
     if let &Some(limit) = limit_load {
         let error = 100.0 * (measured.limit_load - limit).abs() / limit;
         compared.push(Compared {
-            watch: "limit load".to_owned(),
+            watch: "limit".to_owned(),
             deviation: Deviation {
                 error,
                 load: limit,
@@ -266,7 +303,7 @@ fn element_name(element: ShellElement) -> &'static str {
 
 fn heading() -> String {
     format!(
-        "{:<31} {:<8} {:>7} {:>8} {:>8} {:<10} {:>11} {:>11} {:>8} {:>6} {:>9} {}",
+        "{:<31} {:<8} {:>7} {:>8} {:>6} {:>9} {:>9} {:>9} {:>6} {:>5} {:>4} verdict",
         "case",
         "element",
         "mesh",
@@ -275,20 +312,23 @@ fn heading() -> String {
         "worst",
         "measured",
         "reference",
-        "error %",
+        "err %",
         "order",
-        "accepted",
-        "verdict"
+        "max",
     )
 }
 
 fn line(row: &Row, remark: Option<&str>) -> String {
-    let number = |x: f64| if x.is_finite() { format!("{x:.4e}") } else { "-".to_owned() };
-    let order = row.order.map_or_else(|| "-".to_owned(), |order| format!("{order:.2}"));
-    let accepted = row.accepted.map_or_else(String::new, |accepted| format!("{accepted} %"));
-    let error = if row.error.is_finite() { format!("{:.3}", row.error) } else { "-".to_owned() };
+    let number = |x: f64| if x.is_finite() { format!("{x:.3e}") } else { "-".to_owned() };
+    let order = row.order.map_or_else(|| "-".to_owned(), |order| format!("{order:.1}"));
+    let accepted = row.accepted.map_or_else(String::new, |accepted| accepted.to_string());
+    let error = match row.error {
+        error if error < 100.0 => format!("{error:.3}"),
+        error if error.is_finite() => format!("{error:.0}"),
+        _ => "-".to_owned(),
+    };
     format!(
-        "{:<31} {:<8} {:>7} {:>8} {:>8.2} {:<10} {:>11} {:>11} {error:>8} {order:>6} {accepted:>9} {}{}",
+        "{:<31} {:<8} {:>7} {:>8} {:>6.2} {:>9} {:>9} {:>9} {error:>6} {order:>5} {accepted:>4} {}{}",
         row.case,
         row.element,
         row.mesh,
@@ -331,17 +371,19 @@ mod tests {
             error: 0.166,
             pointwise_error: 0.166,
             order: Some(2.01),
-            accepted: Some(1.0),
-            verdict: OK,
+            accepted: Some(1.5),
+            verdict: TOO_FAR,
             ending: "reached",
         };
         let (head, line) = (heading(), line(&row, None));
         for (name, cell) in
-            [("CPU s", "1.23"), ("error %", "0.166"), ("order", "2.01"), ("accepted", "1 %")]
+            [("CPU s", "1.23"), ("err %", "0.166"), ("order", "2.0"), ("max", "1.5")]
         {
             let end = |text: &str, part: &str| text.find(part).unwrap() + part.len();
             assert_eq!(end(&head, name), end(&line, cell), "{name}");
         }
-        assert_eq!(head.find("verdict"), line.find("ok"));
+        assert_eq!(head.find("verdict"), line.find(TOO_FAR));
+        // A terminal's width.
+        assert!(line.len() <= 120, "{line}");
     }
 }

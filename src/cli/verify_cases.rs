@@ -1,4 +1,4 @@
-//! The shell benchmarks: the scene files under `verify/shells`, built into the program.
+//! The shell benchmarks: the scene files under `verify/shells` and the networks they name, built into the program.
 
 use std::path::Path;
 
@@ -6,14 +6,16 @@ use anyhow::Context;
 
 use super::scene_file::SceneFile;
 use super::verify_section::VerifySection;
+use crate::genome::{Network, NetworkDraft};
 use crate::io::toml_file;
 
 /// A benchmark.
+#[derive(Debug)]
 pub(super) struct Case {
     /// Its file's name without the ending.
     pub name: &'static str,
     /// What the file's first line says it is.
-    pub title: &'static str,
+    pub title: String,
     pub scene: SceneFile,
     pub verify: VerifySection,
 }
@@ -25,20 +27,40 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 
 /// The case of a name of [`names`], read and checked.
 pub(super) fn case(name: &str) -> anyhow::Result<Case> {
-    let known = || names().collect::<Vec<_>>().join(", ");
-    let (name, text) = FILES
-        .into_iter()
-        .find(|(known, _)| *known == name)
-        .with_context(|| format!("there is no case `{name}`; there are {}", known()))?;
+    let likeness = |known: &str| strsim::sorensen_dice(known, name);
+    let nearest = || {
+        let nearest = names().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+        nearest.expect("there are cases")
+    };
+    let (name, text) = FILES.into_iter().find(|(known, _)| *known == name).with_context(|| {
+        format!("there is no case `{name}`; the nearest is `{}`; --list shows all", nearest())
+    })?;
     let file = format!("verify/shells/{name}.toml");
     let scene: SceneFile = toml_file::parse(text, Path::new(&file))?;
     scene.check().with_context(|| file.clone())?;
     let verify = scene.verify.clone().with_context(|| format!("{file} has no [verify]"))?;
     verify.check(&scene).with_context(|| file.clone())?;
     let title = text.lines().next().unwrap_or_default().trim_start_matches("# ");
-    let title = title.split(['.', ';', ':']).next().unwrap_or(title);
+    let title = title.split([';', ':']).next().and_then(|title| title.split(". ").next());
+    let title = title.unwrap_or_default().trim_end_matches('.').to_owned();
     Ok(Case { name, title, scene, verify })
 }
+
+/// The network at `path`, as a case names it.
+pub(super) fn network(path: &Path) -> anyhow::Result<Network> {
+    let (_, text) = NETWORKS
+        .into_iter()
+        .find(|(name, _)| path.ends_with(name))
+        .with_context(|| format!("{} is not built in", path.display()))?;
+    let draft: NetworkDraft = toml_file::parse(text, path)?;
+    Network::try_from(draft).with_context(|| path.display().to_string())
+}
+
+const NETWORKS: [(&str, &str); 3] = [
+    ("examples/networks/basic_bend.toml", include_str!("../../examples/networks/basic_bend.toml")),
+    ("examples/networks/pneunet.toml", include_str!("../../examples/networks/pneunet.toml")),
+    ("examples/networks/paper.toml", include_str!("../../examples/networks/paper.toml")),
+];
 
 macro_rules! files {
     ($($name:literal),* $(,)?) => {
@@ -46,7 +68,7 @@ macro_rules! files {
     };
 }
 
-const FILES: [(&str, &str); 25] = files![
+const FILES: [(&str, &str); 29] = files![
     "scordelis_lo",
     "pinched_cylinder",
     "pinched_cylinder_free",
@@ -72,6 +94,10 @@ const FILES: [(&str, &str); 25] = files![
     "balloon_thin",
     "balloon_thick",
     "tube_thick",
+    "ellipsoid",
+    "basic_bend",
+    "pneunet",
+    "paper",
 ];
 
 #[cfg(test)]
@@ -79,7 +105,8 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::cli::patch_part::{Axis, EdgeSection, PatchSection, Watched};
+    use crate::cli::patch_part::{Axis, EdgeSection, PatchSection};
+    use crate::cli::watch::Watched;
     use crate::math::Vec3;
     use crate::mesh::Side;
 
@@ -113,11 +140,11 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_case_names_the_known() {
-        let error = case("scordelis").map(drop).unwrap_err().to_string();
-        assert!(
-            error.starts_with("there is no case `scordelis`; there are scordelis_lo, "),
-            "{error}"
+    fn an_unknown_case_names_the_nearest() {
+        let error = case("scordelis").unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "there is no case `scordelis`; the nearest is `scordelis_lo`; --list shows all"
         );
     }
 
@@ -211,10 +238,25 @@ mod tests {
                 }
             }
             for watch in &case.scene.watches {
-                if let Watched::Displacement { at, direction } = watch.watched().unwrap() {
+                if let Watched::Vertex { at, direction } = watch.watched().unwrap() {
                     assert!(allowed(at, direction), "{} {}", case.name, watch.name);
                 }
             }
         }
+    }
+
+    /// What a case names is what stands in its place in the repository.
+    #[test]
+    fn networks_of_cases_are_built_in() {
+        let mut found = 0;
+        for case in cases() {
+            let Some(file) = &case.scene.part.network else { continue };
+            found += 1;
+            let path = Path::new("verify/shells").join(file);
+            let text =
+                fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(&path)).unwrap();
+            assert_eq!(network(&path).unwrap(), text.parse().unwrap(), "{}", case.name);
+        }
+        assert_eq!(found, NETWORKS.len());
     }
 }

@@ -26,13 +26,15 @@ pub(super) struct VerifySection {
 }
 
 /// How fine a mesh is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum MeshSize {
     /// Of a patch.
     Cells([usize; 2]),
     /// Of a sphere.
     Subdivisions(usize),
+    /// Of any other closed part: the edge, mm; it is written with a point.
+    Edge(f64),
 }
 
 /// The error that is accepted of an element on one mesh.
@@ -65,6 +67,7 @@ impl fmt::Display for MeshSize {
         match self {
             Self::Cells([n, m]) => f.pad(&format!("{n}x{m}")),
             Self::Subdivisions(n) => f.pad(&n.to_string()),
+            Self::Edge(edge) => f.pad(&format!("{edge:?} mm")),
         }
     }
 }

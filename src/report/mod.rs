@@ -5,6 +5,7 @@
 
 mod canvas;
 mod error_figure;
+mod error_overview;
 mod front;
 mod history;
 mod literature;
@@ -12,6 +13,7 @@ mod table;
 
 pub use canvas::png;
 pub use error_figure::{ErrorCurve, ErrorPoint, error_svg};
+pub use error_overview::{JudgedError, OverviewRow, overview_svg};
 pub use front::{FrontPoint, front_svg};
 pub use history::{HistoryPoint, history_svg};
 pub use literature::{Published, Set, Technique, published};

@@ -4,6 +4,7 @@
 mod evolve;
 mod mesh_and_report;
 mod simulate;
+mod verify;
 mod workshop;
 mod wrong_files;
 mod wrong_surfaces;

@@ -194,4 +194,6 @@ fn printed_defaults_are_a_scene() {
     assert_ne!(coarse, scene);
     workshop.write("scene.toml", coarse);
     workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
+    workshop.write("patch.toml", uncommented("[part.patch]"));
+    workshop.succeed(&["simulate", "patch.toml", "--out", "patch"]);
 }

@@ -27,7 +27,7 @@ fn wrong_words_on_the_command_line_are_told_in_one_line() {
 #[test]
 fn help_and_version_are_answers() {
     let workshop = Workshop::new();
-    for command in ["evolve", "simulate", "mesh", "report"] {
+    for command in ["evolve", "simulate", "mesh", "verify", "report"] {
         assert!(workshop.succeed(&["--help"]).contains(command));
         assert!(workshop.succeed(&[command, "--help"]).contains("Usage: pneumorph"));
     }
