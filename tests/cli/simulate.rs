@@ -186,10 +186,14 @@ fn petsc_and_native_walk_through_the_same_tips() {
 fn printed_defaults_are_a_scene() {
     let workshop = Workshop::new();
     let defaults = workshop.succeed(&["simulate", "--print-defaults"]);
-    // The commented plane is one, too.
-    let (before, commented) = defaults.split_once("# [[plane]]").unwrap();
-    let plane = commented.split("\n\n").next().unwrap().replace("# ", "");
-    let scene = format!("{before}[[plane]]{plane}\n");
+    let uncommented = |first: &str| {
+        let lines = defaults.lines().skip_while(|line| *line != format!("# {first}"));
+        let block: Vec<&str> = lines.map_while(|line| line.strip_prefix("# ")).collect();
+        assert!(block.len() > 2, "{first} in {defaults}");
+        block.join("\n") + "\n"
+    };
+    // The commented plane and watch belong to it; the commented patch is a scene by itself.
+    let scene = defaults.clone() + &uncommented("[[plane]]") + &uncommented("[[watch]]");
     let coarse = scene.replace("edge = 3.0", "edge = 5.0").replace("steps = 10", "steps = 1");
     assert_ne!(coarse, scene);
     workshop.write("scene.toml", coarse);
