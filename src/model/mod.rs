@@ -12,6 +12,7 @@ pub mod element;
 pub mod load;
 pub mod local;
 pub mod material;
+mod patch_model;
 mod shell_model;
 pub mod system;
 #[cfg(test)]
@@ -22,4 +23,5 @@ mod tie;
 
 pub use edge_support::{EdgeSupport, EdgeSupports};
 pub use load::DeadLoad;
-pub use shell_model::{PatchLoads, ShellModel, Support};
+pub use patch_model::PatchLoads;
+pub use shell_model::{ShellModel, Support};

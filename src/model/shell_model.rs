@@ -10,15 +10,14 @@ use super::assembly::{Assembler, Slots};
 use super::contact::{PlaneContact, PlaneSettings};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::edge_support::EdgeSupports;
 use super::element::SampledSurface;
-use super::load::{ChamberPressure, DeadLoad, EdgeMoment, Loaded};
+use super::load::{ChamberPressure, EdgeMoment};
 use super::local::Term;
 use super::material::Material;
 use super::system::{Inadmissible, LoadedSystem, SparsityPattern, System};
 use super::tie::{Tied, Ties};
 use crate::math::{Rejected, Vec3};
-use crate::mesh::{Patch, ShellElement, ShellMesh, Side};
+use crate::mesh::ShellMesh;
 
 /// The energy of a loaded shell over the displacements of its nodes.
 #[derive(Clone, Debug)]
@@ -29,9 +28,9 @@ pub struct ShellModel {
     wall: Tied<Wall>,
     chamber: Option<Tied<ChamberPressure>>,
     /// Pressure at a load of 1, MPa.
-    pressure: f64,
+    pub(super) pressure: f64,
     /// Dead forces at a load of 1, by node, N; empty where there are none.
-    forces: Vec<Vec3>,
+    pub(super) forces: Vec<Vec3>,
     moments: Option<(Tied<EdgeMoment>, Slots)>,
     load: f64,
     planes: Vec<(PlaneContact, Slots)>,
@@ -40,7 +39,7 @@ pub struct ShellModel {
     chamber_slots: Slots,
     assembler: Assembler,
     dirichlet: Dirichlet,
-    force_scale: f64,
+    pub(super) force_scale: f64,
     energy_rounding: f64,
     surface: SampledSurface,
 }
@@ -52,21 +51,6 @@ pub enum Support {
     Clamp,
     /// Single unknowns, `3 node + axis`; for free bodies in tests.
     Unknowns(Vec<u32>),
-}
-
-/// How a patch is held and loaded; the load factor multiplies all loads.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PatchLoads {
-    /// How each side is held, in the order of [`Side::ALL`].
-    pub supports: EdgeSupports,
-    /// Single components of the displacement (vertex, axis) held at 0, against rigid motions that the sides leave.
-    pub pins: Vec<(u32, usize)>,
-    /// Pressure on the side from which the normal `x,s cross x,t` points away, following the wall, MPa.
-    pub pressure: f64,
-    /// Loads that keep their direction.
-    pub dead: Vec<DeadLoad>,
-    /// Moments per length (N mm / mm) along sides; the vector is the axis, to which the side is parallel and stays so.
-    pub moments: Vec<(Side, Vec3)>,
 }
 
 impl ShellModel {
@@ -106,64 +90,8 @@ impl ShellModel {
         Ok(model)
     }
 
-    /// An open patch under `loads`; its load is the factor that multiplies them all.
-    ///
-    /// # Errors
-    /// [`Rejected`] when a support or a load does not fit the patch.
-    pub fn of_patch(
-        patch: &Patch,
-        element: ShellElement,
-        material: &Material,
-        loads: &PatchLoads,
-    ) -> Result<Self, Rejected> {
-        let parts = Discretization::of_patch(patch, element, &loads.supports, material)?;
-        let edges = patch.boundary_edges();
-        let loaded = Loaded {
-            reference: &parts.reference,
-            points: &parts.points,
-            surface: &parts.surface,
-            areas: &parts.areas,
-            edges: &edges,
-            triangles: &patch.surface.triangles,
-        };
-        let mut forces = loaded.nodal_forces(&loads.dead);
-        let chamber = if loads.pressure == 0.0 {
-            None
-        } else {
-            let fans = parts.fans(patch, &loads.supports, |edge| loaded.points_of(edge))?;
-            Some(ChamberPressure::new(&parts.points, fans))
-        };
-        let (stencils, moment_edges) = loads
-            .moments
-            .iter()
-            .map(|&(side, per_length)| {
-                parts.moment_edges(patch, side, per_length, |edge| loaded.length(edge))
-            })
-            .fold((Vec::new(), Vec::new()), |mut all, (stencils, edges)| {
-                all.0.extend(stencils);
-                all.1.extend(edges);
-                all
-            });
-        let moments = (!stencils.is_empty()).then(|| EdgeMoment::new(stencils, moment_edges));
-        parts.ties.reduce(&mut forces);
-        let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let pins = loads.pins.iter().map(|&(vertex, axis)| 3 * vertex + axis as u32).collect();
-        let mut model = Self::assembled(parts, chamber, moments, pins, material);
-        model.pressure = loads.pressure;
-        if !loads.dead.is_empty() {
-            model.forces = forces;
-        }
-        // A thin wall under bending answers to forces far below its membrane's, down to what rounding leaves: strains
-        // of some roundings of size / element, of which the tolerance's 1e-9 makes 1e-5.
-        if loads.pressure == 0.0 && loads.moments.is_empty() && largest > 0.0 {
-            let size = patch.surface.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
-            let rounding = 1e-5 * material.young_modulus() * patch.thickness * size;
-            model.force_scale = model.force_scale.min(largest.max(rounding));
-        }
-        Ok(model)
-    }
-
-    fn assembled(
+    /// The model of `parts`; the loads are still to be set.
+    pub(super) fn assembled(
         parts: Discretization,
         chamber: Option<ChamberPressure>,
         moments: Option<EdgeMoment>,
@@ -446,7 +374,6 @@ mod tests {
 
     use super::*;
     use crate::mesh::ShellSettings;
-    use crate::model::edge_support::EdgeSupport;
     use crate::model::material::NeoHookean;
     use crate::model::test_shells::{TestShell, difference};
     use crate::surface::TriangleMesh;
@@ -581,35 +508,6 @@ mod tests {
         assert!(shell.mesh.clamp.iter().all(|&v| moved[v as usize] == Vec3::zeros()));
         assert!(moved.iter().any(|u| u.norm() > 1.0));
         assert!(model.smallest_gap(&u) > 0.0 && model.plane_force(&u) > 0.0);
-    }
-
-    /// A quarter of a tube between four planes of symmetry, one of which is away from the origin, holds `pi R^2 L / 4`; its
-    /// pressure's work and load direction agree.
-    #[test]
-    fn cut_chamber_is_closed_by_its_planes() {
-        let tube = |s: f64, t: f64| Vec3::new(5.0 * s.cos(), 5.0 * s.sin(), t);
-        let right = std::f64::consts::FRAC_PI_2;
-        let patch = Patch::new([8, 3], [0.0, right], [1.0, 4.0], 0.1, &tube).unwrap();
-        let symmetry = [1, 0, 2, 2].map(EdgeSupport::Symmetry);
-        let loads = PatchLoads { supports: symmetry, pressure: 0.01, ..Default::default() };
-        for (element, tolerance) in [(ShellElement::Loop, 1e-5), (ShellElement::MidEdge, 1e-2)] {
-            let mut model = ShellModel::of_patch(&patch, element, &MATERIAL, &loads).unwrap();
-            let rest = vec![0.0; model.unknowns()];
-            let exact = std::f64::consts::PI * 25.0 / 4.0 * 3.0;
-            // Chords of a sixteenth of a right angle: of second order for facets, of fourth on the limit surface.
-            let error = model.volume(&rest) / exact - 1.0;
-            assert!(error.abs() < tolerance, "{error:e}");
-            model.set_load(1.0);
-            let mut residual = vec![0.0; rest.len()];
-            model.residual(&rest, &mut residual).unwrap();
-            let mut direction = vec![0.0; rest.len()];
-            model.load_direction(&rest, &mut direction);
-            let scale = direction.iter().fold(0.0_f64, |largest, d| largest.max(d.abs()));
-            // At rest the wall has no stress: what is out of balance is the load.
-            for (residual, direction) in residual.iter().zip(&direction) {
-                assert!((residual + direction).abs() < 1e-9 * scale, "{residual} {direction}");
-            }
-        }
     }
 
     /// A free shell at rest is free of force, and its six rigid motions are the only ones that cost nothing.

@@ -1,16 +1,20 @@
 //! The published seed `y^2 + x^4 + sin(3.2 z) + cos(theta) - 0.6` bent by 0.012 MPa.
 //!
-//! Reference: CalculiX 2.20, 17,340 quadratic tetrahedra (two layers of the 1.6 mm wall around the same
-//! mid-surface), neo-Hookean mu = 1 MPa, nu = 0.49, clamped below 2.4 mm: the 84 mid-surface vertices above
-//! 95 % of the length move by (-9.8628, +0.0319, +1.2438) mm on average, the enclosed volume grows by
-//! 970.0 mm^3. That solid is itself about 1 % stiff.
+//! References: CalculiX 2.20, neo-Hookean mu = 1 MPa, nu = 0.49, a wall of 1.6 mm clamped below 2.4 mm, the pressure on the
+//! chamber's faces; mean motion of the mid-surface's vertices above 95 % of the length, growth of the enclosed volume.
+//!
+//! ```text
+//! the mesh of the seed        (-11.0641, -0.0096, +0.9932) mm     973.6 mm^3    17,340 quadratic tetrahedra, straight edges
+//! our mesh of the network     (-10.6102, -0.0204, +0.6845) mm     984.3 mm^3    curved, on the shell's own surface
+//! ```
 
 use std::path::Path;
 
+use pneumorph::field::{CappedField, CompiledNetwork, DesignBox};
 use pneumorph::fitness::observations;
 use pneumorph::io::stl;
 use pneumorph::math::Vec3;
-use pneumorph::mesh::{ShellMesh, ShellSettings};
+use pneumorph::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use pneumorph::model::contact::PlaneSettings;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::System;
@@ -37,21 +41,36 @@ fn walked(mesh: &ShellMesh, backend: Backend, plane: Option<f64>) -> (ShellModel
     (model, path.points)
 }
 
-/// Within 15 % of the solid's tip. Shells of this network with edges of 1.5 to 4 mm agree to 3 %, so most of what is
-/// left (13 %) is the difference between a thin-shell theory and a wall as thick as its folds are sharp.
-/// The volume, which the folds decide less, agrees to 1 %.
+/// The tip's distance from the `solid`'s as a share of its motion, and the error of the volume's growth.
+fn errors(mesh: &ShellMesh, solid: Vec3, solid_growth: f64) -> [f64; 2] {
+    let (model, points) = walked(mesh, Backend::Native, None);
+    let rows = observations(mesh, &model, &points);
+    let last = rows.last().unwrap();
+    let tip = Vec3::new(last.tip_x, last.tip_y, last.tip_z);
+    let growth = last.volume - rows[0].volume;
+    [(tip - solid).norm() / solid.norm(), (growth / solid_growth - 1.0).abs()]
+}
+
+/// Within 3 %. The solid is known to no better: finer triangles along the wall move its tip by 3.2 %, curved ones by 1.3 %,
+/// a Poisson's ratio from 0.49 to 0.5, which the shell has, by -2.2 %. The thin-shell theory takes 1.9 %.
 #[test]
 fn tip_moves_like_the_solid() {
-    let mesh = shell();
-    let (model, points) = walked(&mesh, Backend::Native, None);
-    let rows = observations(&mesh, &model, &points);
-    let last = rows.last().unwrap();
-    let solid = Vec3::new(-9.8628, 0.0319, 1.2438);
-    let tip = Vec3::new(last.tip_x, last.tip_y, last.tip_z);
-    let error = (tip - solid).norm() / solid.norm();
-    assert!(error < 0.15, "tip {tip:?}, solid {solid:?}, error {error}");
-    let growth = last.volume - rows[0].volume;
-    assert!((growth / 970.0 - 1.0).abs() < 0.02, "volume grows by {growth} mm^3");
+    let [tip, growth] = errors(&shell(), Vec3::new(-11.0641, -0.0096, 0.9932), 973.6);
+    assert!(tip < 0.03, "tip {tip}");
+    assert!(growth < 0.03, "volume {growth}");
+}
+
+/// Within 3 % again, from the network on: field, isosurface, remesher and shell.
+#[test]
+fn tip_of_our_own_mesh_moves_like_the_solid_around_it() {
+    let network = include_str!("../../examples/networks/basic_bend.toml").parse().unwrap();
+    let meshing = MeshSettings { edge: 2.0, ..Default::default() };
+    let compiled = CompiledNetwork::new(&network);
+    let field = CappedField::new(compiled, DesignBox::default(), meshing.rim_radius).unwrap();
+    let mesh = shell_of_field(&field, &meshing, &ShellSettings::default()).unwrap();
+    let [tip, growth] = errors(&mesh, Vec3::new(-10.6102, -0.0204, 0.6845), 984.3);
+    assert!(tip < 0.03, "tip {tip}");
+    assert!(growth < 0.03, "volume {growth}");
 }
 
 /// The pressure's work is stored in wall and barrier, to 1e-4 at every step: Hermite's rule has fourth order.

@@ -1,60 +1,128 @@
-//! A thin incompressible neo-Hookean sphere under internal pressure.
+//! Thin incompressible spheres under internal pressure.
 //!
 //! ```text
-//! p = 2 mu (t / R) (1 / l - 1 / l^7)        l = current over initial radius
+//! p = (t / R) W'(l) / l^2        l = current over initial radius, W(l) = energy density at stretches l, l, 1/l^2
 //! ```
 //!
-//! Source: Green & Adkins (1970), large elastic deformations, membrane limit t / R -> 0.
+//! for every law, because the work of the pressure is stored in the wall; the membrane limit t / R -> 0. The pressure
+//! has a maximum, the balloon's limit point. Source: Green & Adkins (1970), large elastic deformations.
 
-use pneumorph::mesh::{ShellMesh, ShellSettings};
-use pneumorph::model::material::{Material, NeoHookean};
-use pneumorph::model::system::System;
-use pneumorph::model::{ShellModel, Support};
-use pneumorph::solve::{Ending, NativeSolver, PathSettings, follow};
-use pneumorph::surface::TriangleMesh;
+use pneumorph::mesh::ShellElement;
+use pneumorph::solve::{Ending, PathPoint, PathSettings};
 
-const RADIUS: f64 = 10.0;
+use crate::parts::{RADIUS, sphere, walked};
+use crate::rubber::Rubber;
 
-/// A sphere whose rigid motions alone are held: 3 unknowns at the top, 2 at the bottom, 1 beside.
-fn sphere(thickness: f64) -> ShellModel {
-    let surface = TriangleMesh::sphere(RADIUS, 3);
-    let farthest = |axis: usize, sign: f64| {
-        let height = |v: &u32| sign * surface.positions[*v as usize][axis];
-        (0..surface.positions.len() as u32).max_by(|a, b| height(a).total_cmp(&height(b))).unwrap()
-    };
-    let (top, bottom, side) = (farthest(2, 1.0), farthest(2, -1.0), farthest(0, 1.0));
-    let pins = vec![3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
-    let settings = ShellSettings { thickness, clamp_height: 1.0 / thickness, ..Default::default() };
-    let mesh = ShellMesh::new(surface, &settings).unwrap();
-    let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
-    ShellModel::new(&mesh, &material, &Support::Unknowns(pins), &[]).unwrap()
+/// So thin that what bending and the spread of stretches across the wall change is of size (t / R)^2, 1e-5.
+const THICKNESS: f64 = 0.003 * RADIUS;
+
+fn membrane_pressure(rubber: &Rubber, stretch: f64) -> f64 {
+    THICKNESS / RADIUS * rubber.equibiaxial_rate(stretch) / stretch.powi(2)
 }
 
-fn membrane_pressure(stretch: f64, thickness: f64) -> f64 {
-    2.0 * thickness / RADIUS * (1.0 / stretch - stretch.powi(-7))
-}
-
-/// Within 0.5 % to a stretch of 1.3; at t / R = 0.01 the thickness changes the pressure by less than 0.1 %.
-#[test]
-fn pressure_follows_the_membrane_formula_to_stretch_1_3() {
-    let thickness = 0.01 * RADIUS;
-    let mut model = sphere(thickness);
-    let mut solver = NativeSolver::new(model.pattern()).unwrap();
-    let largest = membrane_pressure(1.3, thickness);
-    let path =
-        follow(&mut model, &mut solver, largest, Vec::new(), &PathSettings::default()).unwrap();
-    assert_eq!(path.ending, Ending::Reached);
-    let rest = path.points[0].conjugate;
-    for point in &path.points[1..] {
-        let stretch = (point.conjugate / rest).cbrt();
-        let exact = membrane_pressure(stretch, thickness);
-        assert!(
-            (point.load / exact - 1.0).abs() < 5e-3,
-            "stretch {stretch}: {} {exact}",
-            point.load
-        );
+/// Stretch and pressure of the limit point, by golden section.
+fn limit_point(rubber: &Rubber) -> [f64; 2] {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (1.0, 2.0);
+    while high - low > 1e-9 {
+        let [a, b] = [high - golden * (high - low), low + golden * (high - low)];
+        if membrane_pressure(rubber, a) < membrane_pressure(rubber, b) {
+            low = a;
+        } else {
+            high = b;
+        }
     }
-    let last = path.points.last().unwrap();
-    let stretch = (last.conjugate / rest).cbrt();
-    assert!((stretch - 1.3).abs() < 0.02, "{stretch}");
+    [low, membrane_pressure(rubber, low)]
+}
+
+/// How far the pressure of a state is from that of a membrane of the same volume.
+fn error(rubber: &Rubber, point: &PathPoint, rest: &PathPoint) -> f64 {
+    let stretch = (point.conjugate / rest.conjugate).cbrt();
+    (point.load / membrane_pressure(rubber, stretch) - 1.0).abs()
+}
+
+/// The largest error up to just below the limit point.
+fn largest_error(rubber: &Rubber, subdivisions: usize, element: ShellElement) -> f64 {
+    let mut model = sphere(subdivisions, THICKNESS, element, &rubber.material);
+    let [_, largest] = limit_point(rubber);
+    let path = walked(&mut model, 0.999 * largest, &PathSettings::default());
+    assert_eq!(path.ending, Ending::Reached, "{}", rubber.name);
+    let [rest, states @ ..] = path.points.as_slice() else { unreachable!() };
+    states.iter().map(|point| error(rubber, point, rest)).fold(0.0, f64::max)
+}
+
+/// The neo-Hookean maximum, of `2 (1/l - 1/l^7)`, stands at the sixth root of 7; Mooney and Rivlin's was computed for
+/// the project apart from its code.
+#[test]
+fn closed_form_has_the_known_limit_points() {
+    let known = [[7.0_f64.powf(1.0 / 6.0), 1.239462902], [1.4760698, 1.3551069]];
+    for (rubber, [stretch, pressure]) in Rubber::all().iter().zip(known) {
+        let found = limit_point(rubber);
+        // A maximum is flat: its place is known to the root of the rounding. The pressures have 8 digits.
+        assert!((found[0] - stretch).abs() < 1e-6, "{}: {found:?}", rubber.name);
+        let reduced = found[1] * RADIUS / THICKNESS;
+        assert!((reduced - pressure).abs() < 1e-7, "{}: {reduced}", rubber.name);
+    }
+}
+
+/// Within 0.1 % on 162 vertices: the fourth order in an edge of a third of the radius.
+#[test]
+fn loop_spheres_follow_the_membrane_formula() {
+    for rubber in Rubber::all() {
+        let error = largest_error(&rubber, 2, ShellElement::Loop);
+        assert!(error < 1e-3, "{}: {error}", rubber.name);
+    }
+}
+
+/// Within 0.2 % on 642 vertices: the second order in an edge of a sixth of the radius.
+#[test]
+fn mid_edge_spheres_follow_the_membrane_formula() {
+    for rubber in Rubber::all() {
+        let error = largest_error(&rubber, 3, ShellElement::MidEdge);
+        assert!(error < 2e-3, "{}: {error}", rubber.name);
+    }
+}
+
+/// Half the edges leave a quarter of the flat facets' error, and less of the subdivision surface's, whose fourth order
+/// (a sixteenth) is not its order around the twelve vertices with five neighbours.
+#[test]
+fn errors_fall_with_the_order_of_the_element() {
+    let rubber = Rubber::neo_hookean();
+    for (element, least) in [(ShellElement::Loop, 6.0), (ShellElement::MidEdge, 3.5)] {
+        let [coarse, fine] = [2, 3].map(|n| largest_error(&rubber, n, element));
+        assert!(coarse > least * fine, "{element:?}: {coarse} {fine}");
+    }
+}
+
+/// A neo-Hookean balloon has no equilibrium beyond its limit point, so the path ends there; the other laws stiffen, so
+/// it marks that the balloon snapped, and goes on where the closed form has the same pressure again.
+#[test]
+fn pressure_ends_or_snaps_at_the_limit_point() {
+    // 0.1 % of the smallest step, and the elements' errors at 162 vertices.
+    for (element, tolerance) in [(ShellElement::Loop, 2e-3), (ShellElement::MidEdge, 6e-3)] {
+        for rubber in Rubber::all() {
+            let mut model = sphere(2, THICKNESS, element, &rubber.material);
+            let [limit, largest] = limit_point(&rubber);
+            let settings = PathSettings { steps: 8, halvings: 7, ..Default::default() };
+            let path = walked(&mut model, 1.02 * largest, &settings);
+            let points = &path.points;
+            let snap = points.iter().position(|point| point.shifted > 0);
+            if rubber.name == "neo-Hookean" {
+                let ended = matches!(path.ending, Ending::LimitPoint | Ending::Unstable);
+                assert!(ended && snap.is_none(), "{:?} {snap:?}", path.ending);
+            } else {
+                assert_eq!(path.ending, Ending::Reached, "{}", rubber.name);
+                let beyond = &points[snap.expect("the balloon snaps")..];
+                for point in beyond {
+                    let stretch = (point.conjugate / points[0].conjugate).cbrt();
+                    let error = error(&rubber, point, &points[0]);
+                    assert!(stretch > 2.0 * limit, "{}: {stretch}", rubber.name);
+                    assert!(error < tolerance, "{}: {error} at {stretch}", rubber.name);
+                }
+            }
+            let last = points[snap.unwrap_or(points.len()) - 1].load;
+            let error = (last / largest - 1.0).abs();
+            assert!(error < tolerance, "{element:?} {}: {error}", rubber.name);
+        }
+    }
 }

@@ -4,3 +4,9 @@
 mod basic_bend;
 mod ellipsoid;
 mod inflated_sphere;
+mod inflated_tube;
+mod locking;
+mod parts;
+mod rubber;
+mod stiff_shell;
+mod thick_wall;

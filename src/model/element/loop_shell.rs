@@ -15,15 +15,12 @@ use std::rc::Rc;
 use super::kinematics::{Derivatives, Row};
 use super::loop_patch::LoopBasis;
 use super::points::ascending;
-use super::wall_point::{WallPoint, bending_depth};
+use super::wall_point::{Creases, WallPoint, bending_depth};
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::Stencil;
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::Material;
 use crate::model::system::Inadmissible;
-
-/// The largest share of the wall that may be creased.
-const MOST_CREASED: f64 = 0.1;
 
 /// The stored energy of the wall.
 #[derive(Clone, Debug)]
@@ -55,7 +52,7 @@ impl LoopShell {
             material,
             creased_share: 0.0,
         };
-        let (mut whole_area, mut creased_area) = (0.0, 0.0);
+        let mut creases = Creases::default();
         for (stencil, basis) in stencils.iter().zip(bases) {
             let positions: Vec<Vec3> = stencil.nodes.iter().map(|&v| x[v as usize]).collect();
             let area = basis.area(&positions);
@@ -67,27 +64,14 @@ impl LoopShell {
                 let depth = bending_depth(forms, thickness);
                 let area = share * area;
                 shell.points.push(WallPoint::new(forms, area, thickness, depth));
-                whole_area += area;
-                creased_area += if depth < 1.0 { area } else { 0.0 };
+                creases.add(area, depth);
                 let (nodes, weights) = ascending(&stencil.nodes, rows);
                 shell.stencils.push(nodes);
                 shell.basis.push(weights);
             }
         }
-        shell.creased_share = creased_area / whole_area;
-        if shell.creased_share <= MOST_CREASED {
-            return Ok(shell);
-        }
-        Err(Rejected::new(
-            Room::Model,
-            "folds_tighter_than_wall",
-            format!(
-                "{:.1} % of the wall folds tighter than its thickness allows, more than {:.0} %",
-                100.0 * shell.creased_share,
-                100.0 * MOST_CREASED
-            ),
-            shell.creased_share - MOST_CREASED,
-        ))
+        shell.creased_share = creases.share()?;
+        Ok(shell)
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.

@@ -18,6 +18,7 @@
 
 use super::jet::{Jet, VARIABLES};
 use super::kinematics::{Form, det, shifter, third_form};
+use crate::math::{Rejected, Room};
 use crate::model::material::{Material, OfInvariants};
 use crate::model::system::Inadmissible;
 
@@ -27,6 +28,45 @@ const GAUSS: [(f64, f64); 3] =
 
 /// The least area of a layer at rest, as a share of the mid-surface's.
 pub(super) const TIGHTEST_FOLD: f64 = 0.25;
+
+/// The largest share of the wall that may be creased.
+const MOST_CREASED: f64 = 0.1;
+
+/// How much of a wall folds tighter than its thickness allows.
+#[derive(Default)]
+pub(super) struct Creases {
+    whole: f64,
+    creased: f64,
+}
+
+impl Creases {
+    /// Counts a point's area (mm^2), whose layers spread over the share `depth` of the thickness.
+    pub(super) fn add(&mut self, area: f64, depth: f64) {
+        self.whole += area;
+        self.creased += if depth < 1.0 { area } else { 0.0 };
+    }
+
+    /// The creased share of the wall.
+    ///
+    /// # Errors
+    /// [`Rejected`] when it is more than a tenth.
+    pub(super) fn share(&self) -> Result<f64, Rejected> {
+        let share = self.creased / self.whole;
+        if share <= MOST_CREASED {
+            return Ok(share);
+        }
+        Err(Rejected::new(
+            Room::Model,
+            "folds_tighter_than_wall",
+            format!(
+                "{:.1} % of the wall folds tighter than its thickness allows, more than {:.0} %",
+                100.0 * share,
+                100.0 * MOST_CREASED
+            ),
+            share - MOST_CREASED,
+        ))
+    }
+}
 
 /// The wall around one point of the mid-surface, at rest.
 #[derive(Clone, Debug)]

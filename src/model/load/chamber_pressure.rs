@@ -79,14 +79,13 @@ impl ChamberPressure {
         gradient
     }
 
-    fn hessian_axes_of(&self, s: usize, points: &[Vec3; 6]) -> [[Vec3; 6]; 6] {
+    fn hessian_axes_of(&self, s: usize, points: &[Vec3; 6]) -> Axes {
         let Some(fan) = self.fan(s) else {
             return facet_hessian_axes(points);
         };
-        let mut axes = [[Vec3::zeros(); 6]; 6];
+        let mut axes = Axes::default();
         for ([b, c], w) in fan.edges() {
-            axes[b][c] -= w / 6.0 * fan.apex;
-            axes[c][b] += w / 6.0 * fan.apex;
+            add_axis(&mut axes, [b, c], -w / 6.0 * fan.apex);
         }
         axes
     }
@@ -136,11 +135,17 @@ impl Term for ChamberPressure {
         }
         if local.with_hessian() {
             let axes = self.hessian_axes_of(s, &points);
-            for (j, column) in limits.iter().enumerate() {
-                let half: [Vec3; 6] = std::array::from_fn(|p| combine(&axes[p], column));
-                for (i, row) in limits.iter().enumerate().skip(j) {
-                    let axis = -self.pressure * combine(&half, row);
-                    *local.block_mut(i, j) += axis.cross_matrix();
+            for (j, weights) in limits.iter().enumerate() {
+                let scaled = weights.map(|w| -self.pressure * w);
+                let half = axes.map(|axes| axes.map(|row| dot(&row, &scaled)));
+                for (block, row) in local.column_mut(j).iter_mut().zip(&limits[j..]) {
+                    let [x, y, z] = [0, 1, 2].map(|k| dot(&half[k], row));
+                    block[(1, 0)] += z;
+                    block[(0, 1)] -= z;
+                    block[(0, 2)] += y;
+                    block[(2, 0)] -= y;
+                    block[(2, 1)] += x;
+                    block[(1, 2)] -= x;
                 }
             }
         }
@@ -196,16 +201,29 @@ fn facet_gradient(points: &[Vec3; 6]) -> [Vec3; 6] {
     gradient
 }
 
-/// Axes `w_pq` of the skew blocks `d2V/dx_p dx_q = [w_pq]x`.
-fn facet_hessian_axes(points: &[Vec3; 6]) -> [[Vec3; 6]; 6] {
-    let mut axes = [[Vec3::zeros(); 6]; 6];
+/// Axes `w_pq` of the skew blocks `d2V/dx_p dx_q = [w_pq]x`, as `[component][p][q]`.
+type Axes = [[[f64; 6]; 6]; 3];
+
+fn facet_hessian_axes(points: &[Vec3; 6]) -> Axes {
+    let mut axes = Axes::default();
     for ([a, b, c], w) in FACETS {
         for [a, b, c] in [[a, b, c], [b, c, a], [c, a, b]] {
-            axes[a][b] -= w / 6.0 * points[c];
-            axes[b][a] += w / 6.0 * points[c];
+            add_axis(&mut axes, [a, b], -w / 6.0 * points[c]);
         }
     }
     axes
+}
+
+/// Adds `axis` to that of points `p, q`, and takes it from that of `q, p`.
+fn add_axis(axes: &mut Axes, [p, q]: [usize; 2], axis: Vec3) {
+    for (axes, component) in axes.iter_mut().zip(axis.iter()) {
+        axes[p][q] += component;
+        axes[q][p] -= component;
+    }
+}
+
+fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
 }
 
 #[cfg(test)]

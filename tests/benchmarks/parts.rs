@@ -1,0 +1,75 @@
+//! Parts and walks that several benchmarks share.
+
+use pneumorph::math::Vec3;
+use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings};
+use pneumorph::model::material::Material;
+use pneumorph::model::system::{LoadedSystem, System};
+use pneumorph::model::{EdgeSupport, PatchLoads, ShellModel, Support};
+use pneumorph::solve::{EquilibriumSolver, NativeSolver, Path, PathSettings, follow};
+use pneumorph::surface::TriangleMesh;
+
+/// The middle of the walls of all spheres and tubes, mm.
+pub(crate) const RADIUS: f64 = 10.0;
+
+/// Of the tubes, mm.
+const LENGTH: f64 = 4.0;
+
+/// The unknowns that hold a closed part against its rigid motions alone: 3 at the top, 2 at the bottom, 1 beside.
+pub(crate) fn pins(surface: &TriangleMesh) -> Support {
+    let farthest = |axis: usize, sign: f64| {
+        let height = |v: &u32| sign * surface.positions[*v as usize][axis];
+        (0..surface.positions.len() as u32).max_by(|a, b| height(a).total_cmp(&height(b))).unwrap()
+    };
+    let (top, bottom, side) = (farthest(2, 1.0), farthest(2, -1.0), farthest(0, 1.0));
+    let pins = [3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
+    Support::Unknowns(pins.to_vec())
+}
+
+/// A free sphere: an icosahedron quartered so many times.
+pub(crate) fn sphere(
+    subdivisions: usize,
+    thickness: f64,
+    element: ShellElement,
+    material: &Material,
+) -> ShellModel {
+    let surface = TriangleMesh::sphere(RADIUS, subdivisions);
+    let support = pins(&surface);
+    // A mesh wants a clamp, which these supports do not use.
+    let clamp_height = RADIUS / thickness;
+    let settings = ShellSettings { thickness, clamp_height, element, ..Default::default() };
+    let mesh = ShellMesh::new(surface, &settings).unwrap();
+    ShellModel::new(&mesh, material, &support, &[]).unwrap()
+}
+
+/// A quarter of a tube between two planes that keep its length, in so many cells around and 4 along.
+pub(crate) fn quarter_tube(
+    cells: usize,
+    thickness: f64,
+    element: ShellElement,
+    material: &Material,
+) -> ShellModel {
+    let around = |s: f64, t: f64| Vec3::new(RADIUS * s.sin(), t, RADIUS * s.cos());
+    let quarter = [0.0, std::f64::consts::FRAC_PI_2];
+    let patch = Patch::new([cells, 4], quarter, [0.0, LENGTH], thickness, &around).unwrap();
+    let supports = [0, 2, 1, 1].map(EdgeSupport::Symmetry);
+    let loads = PatchLoads { supports, pressure: 1.0, ..Default::default() };
+    ShellModel::of_patch(&patch, element, material, &loads).unwrap()
+}
+
+/// The path to a load, in so many steps of equal size at most.
+pub(crate) fn walked(model: &mut ShellModel, load: f64, settings: &PathSettings) -> Path {
+    let mut solver = NativeSolver::new(model.pattern()).unwrap();
+    follow(model, &mut solver, load, Vec::new(), settings).unwrap()
+}
+
+/// The displacements at a load of 1 by the linear theory.
+pub(crate) fn linear_response(model: &mut ShellModel) -> Vec<f64> {
+    let rest = vec![0.0; model.unknowns()];
+    let mut solver = NativeSolver::new(model.pattern()).unwrap();
+    model.set_load(0.0);
+    assert_eq!(solver.linearize(model, &rest).unwrap(), 0, "unstable at rest");
+    let mut response = rest.clone();
+    model.load_direction(&rest, &mut response);
+    solver.solve_linearized(&mut response).unwrap();
+    response
+}
