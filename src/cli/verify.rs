@@ -65,12 +65,6 @@ struct Row {
 /// # Errors
 /// When a case misses what is accepted of it.
 pub(super) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
-    // Parallel loops stay on this thread's account: `cpu_seconds` is of one thread.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()?;
-    pool.install(|| run_on_this_thread(selection, out))
-}
-
-fn run_on_this_thread(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
     check_solver(selection.solver)?;
     out.map(OutputFolder::check_new).transpose()?;
     let chosen: Vec<&str> = if selection.cases.is_empty() {
