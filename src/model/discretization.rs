@@ -13,6 +13,7 @@ use super::element::{
 use super::load::{ChamberPressure, Fan, MomentEdge};
 use super::local::{LocalDerivatives, Term};
 use super::material::Material;
+use super::patch_model::PatchLoads;
 use super::system::Inadmissible;
 use super::tie::Ties;
 use crate::math::{Rejected, Room, Vec3};
@@ -60,7 +61,7 @@ impl Discretization {
                 (control, Wall::Loop(wall), limit, areas)
             }
             ShellElement::MidEdge => {
-                let smooth = ChamberPressure::new(&limit, Vec::new()).volume(&control);
+                let smooth = ChamberPressure::new(&limit).volume(&control);
                 let reference = volume_matched(&mesh.surface, smooth)?;
                 let patches = mid_edge_patches(triangles, &BTreeMap::new());
                 let wall = MidEdgeShell::new(&patches, &reference, thickness, material.clone())?;
@@ -80,9 +81,10 @@ impl Discretization {
     pub(super) fn of_patch(
         patch: &Patch,
         element: ShellElement,
-        supports: &EdgeSupports,
+        loads: &PatchLoads,
         material: &Material,
     ) -> Result<Self, Rejected> {
+        let PatchLoads { supports, pins, .. } = loads;
         let triangles = &patch.surface.triangles;
         let thickness = patch.thickness;
         let (supported, reference, wall, points, areas) = match element {
@@ -94,11 +96,11 @@ impl Discretization {
                     LoopShell::new(stencils, &bases, &reference, thickness, material.clone())?;
                 let areas = loop_areas(stencils, &bases, &reference);
                 let points = ElementPoints::of_stencils(stencils, &bases);
-                let supported = supports_of_control_points(patch, supports)?;
+                let supported = supports_of_control_points(patch, supports, pins)?;
                 (supported, reference, Wall::Loop(wall), points, areas)
             }
             ShellElement::MidEdge => {
-                let (supported, reference) = supports_of_facets(patch, supports)?;
+                let (supported, reference) = supports_of_facets(patch, supports, pins)?;
                 let beyond =
                     patch.boundary_edges().into_iter().map(|edge| (edge.ends, edge.beyond));
                 let patches = mid_edge_patches(triangles, &beyond.collect());
@@ -112,52 +114,84 @@ impl Discretization {
         Ok(Self { reference, wall, points, surface, ties, held, areas, thickness })
     }
 
-    /// The cuts that close the chamber of a patch in its planes of symmetry.
+    /// The chamber of a patch, closed by its cuts in the planes of symmetry.
     ///
     /// # Errors
-    /// [`Rejected`] when a side is open: neither in a plane of symmetry nor held in place.
-    pub(super) fn fans(
+    /// [`Rejected`] when a side is open: neither in a plane of symmetry nor held in place; or where planes of symmetry face
+    /// each other along two axes, whose cuts meet in no common point.
+    pub(super) fn cut_chamber(
         &self,
         patch: &Patch,
         supports: &EdgeSupports,
         points_of: impl Fn(&BoundaryEdge) -> [usize; 3],
-    ) -> Result<Vec<Fan>, Rejected> {
-        let mut fans = Vec::new();
-        for edge in patch.boundary_edges() {
-            match supports[edge.side as usize] {
-                EdgeSupport::Clamped | EdgeSupport::Held([true, true, true]) => {}
-                EdgeSupport::Symmetry(axis) => {
-                    let mut apex = Vec3::zeros();
-                    apex[axis] = patch.surface.positions[edge.ends[0] as usize][axis];
-                    let [a, b, middle] = points_of(&edge);
-                    let points = self.points[edge.triangle].clone();
-                    fans.push(Fan { points, along: [a, middle, b], apex });
-                }
-                EdgeSupport::Free | EdgeSupport::Held(_) => {
-                    return Err(Rejected::new(
-                        Room::Model,
-                        "open_chamber",
-                        format!(
-                            "pressure wants a closed chamber, but side {:?} is open: neither in a plane of symmetry nor held in place",
-                            edge.side
-                        ),
-                        1.0,
-                    ));
+    ) -> Result<ChamberPressure, Rejected> {
+        let edges = patch.boundary_edges();
+        let end = |edge: &BoundaryEdge| patch.surface.positions[edge.ends[0] as usize];
+        let open = edges.iter().find(|edge| {
+            let support = supports[edge.side as usize];
+            !matches!(support, EdgeSupport::Clamped | EdgeSupport::Symmetry(_))
+                && support != EdgeSupport::Held([true; 3])
+        });
+        if let Some(BoundaryEdge { side, .. }) = open {
+            let detail = format!(
+                "pressure wants a closed chamber, but side {side:?} is open: neither in a plane of symmetry nor held in place"
+            );
+            return Err(Rejected::new(Room::Model, "open_chamber", detail, 1.0));
+        }
+        // A point that all planes share, but for the second of two that face each other.
+        let mut origin = edges.iter().map(end).sum::<Vec3>() / edges.len() as f64;
+        let mut planes: [Vec<f64>; 3] = Default::default();
+        for edge in &edges {
+            if let EdgeSupport::Symmetry(axis) = supports[edge.side as usize] {
+                let place = end(edge)[axis];
+                let size = patch.surface.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
+                if planes[axis].iter().all(|plane| (plane - place).abs() > 1e-6 * size) {
+                    planes[axis].push(place);
                 }
             }
         }
-        Ok(fans)
+        if planes.iter().filter(|planes| planes.len() > 1).count() > 1 {
+            let detail = "pressure cannot be cut by planes of symmetry that face each other along two axes; model a part between fewer planes";
+            return Err(Rejected::new(Room::Model, "open_chamber", detail.to_owned(), 1.0));
+        }
+        for (origin, planes) in origin.iter_mut().zip(&planes) {
+            *origin = planes.first().copied().unwrap_or(*origin);
+        }
+        let mut fans = Vec::new();
+        for edge in &edges {
+            if let EdgeSupport::Symmetry(axis) = supports[edge.side as usize] {
+                let mut apex = origin;
+                apex[axis] = end(edge)[axis];
+                let [a, b, middle] = points_of(edge);
+                let points = self.points[edge.triangle].clone();
+                fans.push(Fan { points, along: [a, middle, b], apex });
+            }
+        }
+        Ok(ChamberPressure::cut(&self.points, fans, origin))
     }
 
     /// Edges of a patch's `side` that carry the moment `per_length` (N mm / mm), with their nodes.
+    ///
+    /// # Errors
+    /// [`Rejected`] when the moment's axis is not along the side.
     pub(super) fn moment_edges(
         &self,
         patch: &Patch,
         side: Side,
         per_length: Vec3,
         length: impl Fn(&BoundaryEdge) -> f64,
-    ) -> (Vec<Vec<u32>>, Vec<MomentEdge>) {
+    ) -> Result<(Vec<Vec<u32>>, Vec<MomentEdge>), Rejected> {
         let axis = per_length.normalize();
+        let along = |edge: &BoundaryEdge| {
+            let [a, b] = edge.ends.map(|v| patch.surface.positions[v as usize]);
+            (b - a).normalize().cross(&axis).norm() <= 1e-6
+        };
+        if !patch.boundary_edges().iter().filter(|edge| edge.side == side).all(along) {
+            let detail = format!(
+                "the moment on side {side:?} wants an axis, other than 0, along the side, which is straight"
+            );
+            return Err(Rejected::new(Room::Model, "no_axis", detail, 1.0));
+        }
         let edges = patch.boundary_edges().into_iter().filter(|edge| edge.side == side);
         let of_edge = |edge: BoundaryEdge| {
             let (nodes, rows) = self.tangent_rows(patch, &edge);
@@ -171,7 +205,7 @@ impl Discretization {
             let p = tangents[0].cross(&tangents[1]).normalize();
             (nodes, MomentEdge { rows, moment, p, q: axis.cross(&p), settled: 0.0 })
         };
-        edges.map(of_edge).unzip()
+        Ok(edges.map(of_edge).unzip())
     }
 
     /// `[,1 ,2]` in the middle of an edge, of the nodes of its triangle.

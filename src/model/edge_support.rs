@@ -88,8 +88,9 @@ pub(super) struct Supported {
 pub(super) fn supports_of_control_points(
     patch: &Patch,
     supports: &EdgeSupports,
+    pins: &[(u32, usize)],
 ) -> Result<Supported, Rejected> {
-    check_symmetry(patch, supports)?;
+    check_sides(patch, supports)?;
     let support = |side: Side| supports[side as usize];
     let mut direct = vec![Combination::new(); patch.nodes()];
     let mut held = Vec::new();
@@ -117,6 +118,12 @@ pub(super) fn supports_of_control_points(
                 ]);
             }
         }
+        let rows = taken(&mut own, pinned(pins, node));
+        if rows != Matrix3::zeros() {
+            // The limit u/2 + sum ring / 12 vanishes.
+            let ring = patch.rings.ring(node as u32);
+            direct[node].extend(ring.iter().map(|&beside| (beside, -rows / 6.0)));
+        }
         held.extend((0..3).filter(|&k| !own[k]).map(|k| (3 * node + k) as u32));
     }
     Ok(Supported { ties: Ties::new(&direct), held })
@@ -132,13 +139,15 @@ pub(super) fn supports_of_control_points(
 pub(super) fn supports_of_facets(
     patch: &Patch,
     supports: &EdgeSupports,
+    pins: &[(u32, usize)],
 ) -> Result<(Supported, Vec<Vec3>), Rejected> {
-    check_symmetry(patch, supports)?;
+    check_sides(patch, supports)?;
     let mut direct = vec![Combination::new(); patch.nodes()];
     let mut own = vec![[true; 3]; patch.nodes()];
     let places = patch.node_places();
     let mut reference: Vec<Vec3> = places.iter().map(|&place| patch.point(place)).collect();
-    for (own, &place) in own.iter_mut().zip(&places) {
+    for (node, (own, &place)) in own.iter_mut().zip(&places).enumerate() {
+        taken(own, pinned(pins, node));
         for side in sides_of(patch, place) {
             taken(own, supports[side as usize].held());
         }
@@ -184,6 +193,11 @@ fn taken(own: &mut [bool; 3], components: [bool; 3]) -> Matrix3<f64> {
     Matrix3::from_diagonal(&rows)
 }
 
+/// Components of the displacement that pins hold at `node`.
+fn pinned(pins: &[(u32, usize)], node: usize) -> [bool; 3] {
+    std::array::from_fn(|axis| pins.contains(&(node as u32, axis)))
+}
+
 fn mirror(axis: usize) -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vec3::from_fn(|k, _| if k == axis { -1.0 } else { 1.0 }))
 }
@@ -225,25 +239,134 @@ fn between([i, j]: Place, [k, l]: Place) -> Place {
     [(i + k) / 2, (j + l) / 2]
 }
 
-fn check_symmetry(patch: &Patch, supports: &EdgeSupports) -> Result<(), Rejected> {
+fn check_sides(patch: &Patch, supports: &EdgeSupports) -> Result<(), Rejected> {
     let size = patch.surface.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
+    let no_symmetry = |side: Side, axis: usize, why: &str| {
+        let normal = ["x", "y", "z"][axis];
+        let detail = format!("side {side:?} is no plane of symmetry with normal {normal}: {why}");
+        Rejected::new(Room::Model, "no_symmetry", detail, 1.0)
+    };
+    let mut planes = [None; 4];
     for place in patch.node_places() {
+        for side in sides_of(patch, place) {
+            match supports[side as usize] {
+                EdgeSupport::Symmetry(axis) => {
+                    let here = patch.point(place)[axis];
+                    let plane: f64 = *planes[side as usize].get_or_insert(here);
+                    if (here - plane).abs() > 1e-6 * size {
+                        return Err(no_symmetry(side, axis, "it does not lie in a plane"));
+                    }
+                }
+                EdgeSupport::Clamped if !patch.normal(place).iter().all(|n| n.is_finite()) => {
+                    let detail = format!(
+                        "side {side:?} cannot be clamped: the surface has no normal at {:.4?}",
+                        patch.point(place)
+                    );
+                    return Err(Rejected::new(Room::Model, "no_normal", detail, 1.0));
+                }
+                _ => {}
+            }
+        }
         for (side, image) in images(patch, place) {
             let EdgeSupport::Symmetry(axis) = supports[side as usize] else { continue };
             let on_side = patch.point(between(place, image));
             let mirrored = on_side + mirror(axis) * (patch.point(image) - on_side);
             if (patch.point(place) - mirrored).norm() > 1e-6 * size {
-                return Err(Rejected::new(
-                    Room::Model,
-                    "no_symmetry",
-                    format!(
-                        "side {side:?} is no plane of symmetry with normal {}: beyond it the formula is not the mirror image",
-                        ["x", "y", "z"][axis]
-                    ),
-                    1.0,
-                ));
+                let why = "beyond it the formula is not the mirror image";
+                return Err(no_symmetry(side, axis, why));
             }
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plate(cells: [usize; 2], surface: &dyn Fn(f64, f64) -> Vec3) -> Patch {
+        Patch::new(cells, [0.0, 3.0], [0.0, 2.0], 0.1, surface).unwrap()
+    }
+
+    fn flat(s: f64, t: f64) -> Vec3 {
+        Vec3::new(s, t, 0.3 * s * t)
+    }
+
+    /// Of smooth unknowns that vanish at the held sides as displacements do, the limit there vanishes to second order or better;
+    /// at a pin exactly.
+    #[test]
+    fn limits_vanish_where_they_are_held() {
+        let supports = [
+            EdgeSupport::Clamped,
+            EdgeSupport::Held([true, false, true]),
+            EdgeSupport::Free,
+            EdgeSupport::Held([true; 3]),
+        ];
+        let largest = |n: usize| {
+            let patch = plate([n, n], &flat);
+            let pin = patch.node([n as isize / 2, n as isize / 2]);
+            let supported = supports_of_control_points(&patch, &supports, &[(pin, 2)]).unwrap();
+            let wave = |place: Place| {
+                let x = patch.point(place);
+                let size = x.x * x.x * (3.0 - x.x) * (2.0 - x.y);
+                size * Vec3::new((x.x + x.y).sin(), (0.7 * x.x - x.y).cos(), (x.x * x.y).sin())
+            };
+            let mut u: Vec<Vec3> = patch.node_places().into_iter().map(wave).collect();
+            for &unknown in &supported.held {
+                u[unknown as usize / 3][unknown as usize % 3] = 0.0;
+            }
+            supported.ties.displace(&mut u);
+            let limit = |v: u32| {
+                let ring = patch.rings.ring(v).iter().map(|&w| u[w as usize]);
+                0.5 * u[v as usize] + ring.sum::<Vec3>() / 12.0
+            };
+            assert!(limit(pin).z.abs() < 1e-14);
+            let on = |side: Side, held: [bool; 3]| {
+                let places = patch.node_places();
+                let vertices =
+                    (0..places.len()).filter(|&v| sides_of(&patch, places[v]).contains(&side));
+                let size = |v: usize| {
+                    let limit = limit(v as u32);
+                    (0..3).filter(|&k| held[k]).map(|k| limit[k].abs()).fold(0.0, f64::max)
+                };
+                vertices.map(size).fold(0.0, f64::max)
+            };
+            Side::ALL
+                .map(|side| on(side, supports[side as usize].held()))
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
+        let [coarse, fine] = [largest(16), largest(32)];
+        assert!(fine < 1e-2 && fine < 0.3 * coarse, "{coarse:e} {fine:e}");
+    }
+
+    #[test]
+    fn sides_that_are_no_planes_are_refused() {
+        let skew = |s: f64, t: f64| Vec3::new(s + 3.0 * t, t, 0.0);
+        let supports =
+            [EdgeSupport::Symmetry(0), EdgeSupport::Free, EdgeSupport::Free, EdgeSupport::Free];
+        let refused = supports_of_control_points(&plate([4, 4], &skew), &supports, &[]);
+        assert!(refused.is_err_and(|rejected| rejected.reason == "no_symmetry"));
+        assert!(
+            supports_of_control_points(
+                &plate([4, 4], &|s, t| Vec3::new(s, t, 0.0)),
+                &supports,
+                &[]
+            )
+            .is_ok()
+        );
+    }
+
+    /// One cell between two supported sides makes long chains of followers; they are short work.
+    #[test]
+    fn narrow_patches_are_short_work() {
+        let supports = [
+            EdgeSupport::Clamped,
+            EdgeSupport::Free,
+            EdgeSupport::Symmetry(1),
+            EdgeSupport::Symmetry(1),
+        ];
+        let patch = plate([60, 1], &|s, t| Vec3::new(s, t, 0.0));
+        assert!(supports_of_control_points(&patch, &supports, &[]).is_ok());
+    }
 }

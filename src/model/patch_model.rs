@@ -1,12 +1,13 @@
 //! The model of an open patch: its supports, its loads.
 
 use super::discretization::Discretization;
-use super::edge_support::EdgeSupports;
-use super::load::{ChamberPressure, DeadLoad, EdgeMoment, Loaded};
+use super::edge_support::{EdgeSupport, EdgeSupports};
+use super::load::{DeadLoad, EdgeMoment, Loaded};
 use super::material::Material;
 use super::shell_model::ShellModel;
-use crate::math::{Rejected, Vec3};
-use crate::mesh::{Patch, ShellElement, Side};
+use super::system::LoadedSystem;
+use crate::math::{Rejected, Room, Vec3};
+use crate::mesh::{BoundaryEdge, Patch, ShellElement, Side};
 
 /// How a patch is held and loaded; the load factor multiplies all loads.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,7 +35,7 @@ impl ShellModel {
         material: &Material,
         loads: &PatchLoads,
     ) -> Result<Self, Rejected> {
-        let parts = Discretization::of_patch(patch, element, &loads.supports, material)?;
+        let parts = Discretization::of_patch(patch, element, loads, material)?;
         let edges = patch.boundary_edges();
         let loaded = Loaded {
             reference: &parts.reference,
@@ -45,35 +46,38 @@ impl ShellModel {
             triangles: &patch.surface.triangles,
         };
         let mut forces = loaded.nodal_forces(&loads.dead);
-        let chamber = if loads.pressure == 0.0 {
-            None
-        } else {
-            let fans = parts.fans(patch, &loads.supports, |edge| loaded.points_of(edge))?;
-            Some(ChamberPressure::new(&parts.points, fans))
-        };
-        let (stencils, moment_edges) = loads
-            .moments
-            .iter()
-            .map(|&(side, per_length)| {
-                parts.moment_edges(patch, side, per_length, |edge| loaded.length(edge))
-            })
-            .fold((Vec::new(), Vec::new()), |mut all, (stencils, edges)| {
-                all.0.extend(stencils);
-                all.1.extend(edges);
-                all
-            });
+        let chamber = (loads.pressure != 0.0)
+            .then(|| parts.cut_chamber(patch, &loads.supports, |edge| loaded.points_of(edge)))
+            .transpose()?;
+        let (mut stencils, mut moment_edges) = (Vec::new(), Vec::new());
+        for &(side, per_length) in &loads.moments {
+            if loads.supports[side as usize] != EdgeSupport::Free {
+                let detail =
+                    format!("the moment is on side {side:?}, which is held and cannot turn");
+                return Err(Rejected::new(Room::Model, "no_axis", detail, 1.0));
+            }
+            let length = |edge: &BoundaryEdge| loaded.length(edge);
+            let (nodes, edges) = parts.moment_edges(patch, side, per_length, length)?;
+            stencils.extend(nodes);
+            moment_edges.extend(edges);
+        }
         let moments = (!stencils.is_empty()).then(|| EdgeMoment::new(stencils, moment_edges));
         parts.ties.reduce(&mut forces);
-        let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let pins = loads.pins.iter().map(|&(vertex, axis)| 3 * vertex + axis as u32).collect();
-        let mut model = Self::assembled(parts, chamber, moments, pins, material);
-        model.pressure = loads.pressure;
-        if !loads.dead.is_empty() {
-            model.forces = forces;
+        let mut model = Self::assembled(parts, chamber, moments, Vec::new(), material);
+        if model.free_unknowns() == 0 {
+            let detail =
+                "nothing of the patch can move; it wants more cells between its held sides";
+            return Err(Rejected::new(Room::Model, "nothing_moves", detail.to_owned(), 1.0));
         }
-        // A thin wall under bending answers to forces far below its membrane's, down to what rounding leaves: strains
-        // of some roundings of size / element at each of thousands of nodes: 1e-13 in all, of which the tolerance's 1e-9 makes 1e-4.
-        if loads.pressure == 0.0 && loads.moments.is_empty() && largest > 0.0 {
+        model.pressure = loads.pressure;
+        model.forces = forces;
+        let rest = vec![0.0; model.unknowns()];
+        let mut load = rest.clone();
+        model.load_direction(&rest, &mut load);
+        let largest = load.iter().fold(0.0_f64, |largest, force| largest.max(force.abs()));
+        // A thin wall under bending answers to forces far below its membrane's, down to what rounding leaves: strains of
+        // some roundings of size / element at thousands of nodes, 1e-13 in all, of which the tolerance's 1e-9 makes 1e-4.
+        if largest > 0.0 {
             let size = patch.surface.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
             let rounding = 1e-4 * material.young_modulus() * patch.thickness * size;
             model.force_scale = model.force_scale.min(largest.max(rounding));
@@ -85,9 +89,8 @@ impl ShellModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::edge_support::EdgeSupport;
     use crate::model::material::NeoHookean;
-    use crate::model::system::{LoadedSystem, System};
+    use crate::model::system::System;
 
     /// A quarter of a tube between four planes of symmetry, one of which is away from the origin, holds `pi R^2 L / 4`; its
     /// pressure's work and load direction agree.
@@ -116,6 +119,32 @@ mod tests {
             for (residual, direction) in residual.iter().zip(&direction) {
                 assert!((residual + direction).abs() < 1e-9 * scale, "{residual} {direction}");
             }
+        }
+    }
+
+    /// Where a part stands makes no difference to its chamber, at rest or deformed.
+    #[test]
+    fn cut_chamber_does_not_depend_on_its_place() {
+        let right = std::f64::consts::FRAC_PI_2;
+        let symmetry = [1, 0, 2, 2].map(EdgeSupport::Symmetry);
+        let loads = PatchLoads { supports: symmetry, pressure: 0.01, ..Default::default() };
+        let material = Material::NeoHookean(NeoHookean { mu: 1.3 });
+        let measured = |shift: Vec3| {
+            let tube = |s: f64, t: f64| shift + Vec3::new(5.0 * s.cos(), 5.0 * s.sin(), t);
+            let patch = Patch::new([8, 3], [0.0, right], [1.0, 4.0], 0.1, &tube).unwrap();
+            let model =
+                ShellModel::of_patch(&patch, ShellElement::Loop, &material, &loads).unwrap();
+            let u: Vec<f64> = (0..model.unknowns()).map(|k| 0.1 * (k as f64).sin()).collect();
+            let mut direction = vec![0.0; u.len()];
+            model.load_direction(&u, &mut direction);
+            (model.volume(&u), direction)
+        };
+        let (volume, direction) = measured(Vec3::zeros());
+        let (moved_volume, moved_direction) = measured(Vec3::new(7.0, -30.0, 2.0));
+        // Rounding of coordinates of 30 mm, cubed.
+        assert!((moved_volume / volume - 1.0).abs() < 1e-11);
+        for (moved, direction) in moved_direction.iter().zip(&direction) {
+            assert!((moved - direction).abs() < 1e-11 * volume, "{moved} {direction}");
         }
     }
 }

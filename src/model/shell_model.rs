@@ -79,7 +79,7 @@ impl ShellModel {
                 PlaneContact::new(&parts.surface, &parts.reference, mesh.thickness, plane)
             })
             .collect();
-        let chamber = ChamberPressure::new(&parts.points, Vec::new());
+        let chamber = ChamberPressure::new(&parts.points);
         let mut model = Self::assembled(parts, Some(chamber), None, held, material);
         model.pressure = 1.0;
         let slots = planes.into_iter().map(|plane| {

@@ -16,6 +16,9 @@ use crate::math::Vec3;
 /// `sum_k T_k u_k`.
 pub(super) type Combination = Vec<(u32, Matrix3<f64>)>;
 
+/// The least factor with which a node is followed: each step along a chain of followers takes about a tenth.
+const LEAST: f64 = 1e-7;
+
 /// Which nodes follow which.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ties {
@@ -26,24 +29,31 @@ pub(super) struct Ties {
 impl Ties {
     /// Ties between nodes, in terms of nodes that may themselves be tied.
     ///
-    /// A dependence that comes back to a node on the way is left out: around corners such loops are of third order in
-    /// the size of the elements.
+    /// A dependence that comes back to where it started is solved for; one that comes back to another node on the way, or has
+    /// become less than [`LEAST`], is left out: around corners such loops are of third order in the size of the elements.
     pub(super) fn new(direct: &[Combination]) -> Self {
         let leaders = |node: usize| {
             let mut sums = Combination::new();
-            if !direct[node].is_empty() {
-                let mut way = vec![node as u32];
-                collect(direct, node, Matrix3::identity(), &mut way, &mut sums);
-                sums.sort_by_key(|&(leader, _)| leader);
-                sums.dedup_by(|next, sum| {
-                    let same = next.0 == sum.0;
-                    if same {
-                        sum.1 += next.1;
-                    }
-                    same
-                });
-                sums.retain(|(_, t)| *t != Matrix3::zeros());
+            if direct[node].is_empty() {
+                return sums;
             }
+            let mut way = vec![node as u32];
+            collect(direct, node, Matrix3::identity(), &mut way, &mut sums);
+            sums.sort_by_key(|&(leader, _)| leader);
+            sums.dedup_by(|next, sum| {
+                let same = next.0 == sum.0;
+                if same {
+                    sum.1 += next.1;
+                }
+                same
+            });
+            if let Ok(place) = sums.binary_search_by_key(&(node as u32), |&(leader, _)| leader) {
+                let (_, itself) = sums.remove(place);
+                let inverse = (Matrix3::identity() - itself).try_inverse();
+                let inverse = inverse.expect("a node follows itself by less than all it follows");
+                sums.iter_mut().for_each(|(_, t)| *t = inverse * *t);
+            }
+            sums.retain(|(_, t)| *t != Matrix3::zeros());
             sums
         };
         Self { followed: (0..direct.len()).map(leaders).collect() }
@@ -92,11 +102,14 @@ fn collect(
     sums: &mut Combination,
 ) {
     for &(leader, factor) in &direct[node] {
-        if way.contains(&leader) {
+        let t = t * factor;
+        if t.amax() < LEAST || way[1..].contains(&leader) {
             continue;
         }
-        let t = t * factor;
         sums.push((leader, t));
+        if leader == way[0] {
+            continue;
+        }
         way.push(leader);
         collect(direct, leader as usize, t, way, sums);
         way.pop();

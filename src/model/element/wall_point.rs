@@ -316,7 +316,7 @@ impl Metric {
 /// The smallest area of a layer over that of the mid-surface with forms `a`, `b`: 1 where it is flat, 0 or less
 /// where it folds tighter than half the wall.
 pub(super) fn least_shifter([a, b]: [Form; 2], thickness: f64) -> f64 {
-    let of_layer = |(abscissa, _): &(f64, f64)| shifter(0.5 * thickness * abscissa, a, b, det(a));
+    let of_layer = |(abscissa, _): &(f64, f64)| unfolded(0.5 * thickness * abscissa, a, b, det(a));
     GAUSS.iter().map(of_layer).fold(1.0, f64::min)
 }
 
@@ -334,8 +334,16 @@ fn layer_metric(a: Form, b: Form, third: Form, z: f64) -> Form {
     std::array::from_fn(|k| a[k] - 2.0 * z * b[k] + z * z * third[k])
 }
 
+/// [`shifter`], negative also where the layer is turned inside out along both directions: `1 - z k1` and `1 - z k2` are.
+fn unfolded(z: f64, a: Form, b: Form, det_a: f64) -> f64 {
+    let area = shifter(z, a, b, det_a);
+    // Both factors are positive only where their mean is.
+    let mean = 0.5 * (1.0 + area - z * z * det(b) / det_a);
+    if mean > 0.0 { area } else { -area.abs() }
+}
+
 fn check_shifter(z: f64, a: Form, b: Form, det_a: f64) -> Result<(), Inadmissible> {
-    if shifter(z, a, b, det_a) > 0.0 {
+    if unfolded(z, a, b, det_a) > 0.0 {
         Ok(())
     } else {
         Err(Inadmissible("a fold is tighter than half the wall"))

@@ -10,7 +10,7 @@
 //! mid-surface is exact for an incompressible wall: inner and middle volume differ by a constant.
 //!
 //! A part cut off by planes of symmetry is closed by [`Fan`]s: the flat cut, as facets from an edge to a point of its plane.
-//! A plane through the origin needs none.
+//! A plane through the origin of the volumes needs none.
 
 use crate::math::Vec3;
 use crate::model::element::ElementPoints;
@@ -27,6 +27,8 @@ pub struct ChamberPressure {
     limits: Vec<Vec<[f64; 6]>>,
     /// Of the last stencils, those that are no elements.
     fans: Vec<Fan>,
+    /// From where volumes are measured, mm.
+    origin: Vec3,
 }
 
 /// The facets between the edge of an element that lies in a plane of symmetry and a point of that plane.
@@ -36,21 +38,39 @@ pub struct Fan {
     pub points: ElementPoints,
     /// The element's points along the edge, in the order of its triangle: one end, the middle, the other end.
     pub along: [usize; 3],
-    /// The point of the plane, mm.
+    /// The point of the plane, mm; it also lies in the planes that meet this one.
     pub apex: Vec3,
 }
 
 impl ChamberPressure {
-    /// The chamber within the triangles of `points`, closed by `fans`, at zero pressure.
+    /// The chamber within the triangles of `points`, at zero pressure.
     #[must_use]
-    pub fn new(points: &[ElementPoints], fans: Vec<Fan>) -> Self {
+    pub fn new(points: &[ElementPoints]) -> Self {
+        Self::cut(points, Vec::new(), Vec3::zeros())
+    }
+
+    /// The chamber within the triangles of `points`, closed by `fans`, which miss only the planes through `origin`.
+    #[must_use]
+    pub fn cut(points: &[ElementPoints], fans: Vec<Fan>, origin: Vec3) -> Self {
         let all = || points.iter().chain(fans.iter().map(|fan| &fan.points));
         Self {
             pressure: 0.0,
             stencils: all().map(|points| points.nodes.clone()).collect(),
             limits: all().map(|points| points.weights.clone()).collect(),
             fans,
+            origin,
         }
+    }
+
+    /// The six points of a stencil, seen from the origin of the volumes.
+    fn points<'a>(&self, limits: &[[f64; 6]], x: impl IntoIterator<Item = &'a Vec3>) -> [Vec3; 6] {
+        let mut points = [-self.origin; 6];
+        for (weights, x) in limits.iter().zip(x) {
+            for (point, weight) in points.iter_mut().zip(weights) {
+                *point += *weight * x;
+            }
+        }
+        points
     }
 
     fn fan(&self, s: usize) -> Option<&Fan> {
@@ -58,12 +78,17 @@ impl ChamberPressure {
         s.checked_sub(elements).map(|fan| &self.fans[fan])
     }
 
+    fn apex(&self, fan: &Fan) -> Vec3 {
+        fan.apex - self.origin
+    }
+
     fn volume_of(&self, s: usize, points: &[Vec3; 6]) -> f64 {
         let Some(fan) = self.fan(s) else {
             return facet_volume(points);
         };
-        let volume =
-            |([b, c], w): ([usize; 2], f64)| w / 6.0 * fan.apex.dot(&points[b].cross(&points[c]));
+        let volume = |([b, c], w): ([usize; 2], f64)| {
+            w / 6.0 * self.apex(fan).dot(&points[b].cross(&points[c]))
+        };
         fan.edges().map(volume).iter().sum()
     }
 
@@ -73,8 +98,8 @@ impl ChamberPressure {
         };
         let mut gradient = [Vec3::zeros(); 6];
         for ([b, c], w) in fan.edges() {
-            gradient[b] += w / 6.0 * points[c].cross(&fan.apex);
-            gradient[c] += w / 6.0 * fan.apex.cross(&points[b]);
+            gradient[b] += w / 6.0 * points[c].cross(&self.apex(fan));
+            gradient[c] += w / 6.0 * self.apex(fan).cross(&points[b]);
         }
         gradient
     }
@@ -85,7 +110,7 @@ impl ChamberPressure {
         };
         let mut axes = Axes::default();
         for ([b, c], w) in fan.edges() {
-            add_axis(&mut axes, [b, c], -w / 6.0 * fan.apex);
+            add_axis(&mut axes, [b, c], -w / 6.0 * self.apex(fan));
         }
         axes
     }
@@ -95,7 +120,7 @@ impl ChamberPressure {
     pub fn volume(&self, positions: &[Vec3]) -> f64 {
         let stencil_volume = |(s, (stencil, limits)): (usize, (&Vec<u32>, &Vec<[f64; 6]>))| {
             let x = stencil.iter().map(|&v| &positions[v as usize]);
-            self.volume_of(s, &limit_points(limits, x))
+            self.volume_of(s, &self.points(limits, x))
         };
         self.stencils.iter().zip(&self.limits).enumerate().map(stencil_volume).sum()
     }
@@ -103,7 +128,7 @@ impl ChamberPressure {
     /// Adds `dV/dx` to `gradient`, one vector for each control point, mm^2.
     pub fn add_volume_gradient(&self, positions: &[Vec3], gradient: &mut [Vec3]) {
         for (s, (stencil, limits)) in self.stencils.iter().zip(&self.limits).enumerate() {
-            let points = limit_points(limits, stencil.iter().map(|&v| &positions[v as usize]));
+            let points = self.points(limits, stencil.iter().map(|&v| &positions[v as usize]));
             let by_point = self.gradient_of(s, &points);
             for (&node, weights) in stencil.iter().zip(limits) {
                 gradient[node as usize] += combine(&by_point, weights);
@@ -118,7 +143,7 @@ impl Term for ChamberPressure {
     }
 
     fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
-        Ok(-self.pressure * self.volume_of(s, &limit_points(&self.limits[s], x)))
+        Ok(-self.pressure * self.volume_of(s, &self.points(&self.limits[s], x)))
     }
 
     fn derivatives(
@@ -128,7 +153,7 @@ impl Term for ChamberPressure {
         local: &mut LocalDerivatives,
     ) -> Result<f64, Inadmissible> {
         let limits = &self.limits[s];
-        let points = limit_points(limits, x);
+        let points = self.points(limits, x);
         let by_point = self.gradient_of(s, &points);
         for (gradient, weights) in local.gradient_mut().iter_mut().zip(limits) {
             *gradient -= self.pressure * combine(&by_point, weights);
@@ -159,16 +184,6 @@ impl Fan {
         let [a, middle, b] = self.along;
         [([middle, a], 4.0 / 3.0), ([b, middle], 4.0 / 3.0), ([b, a], -1.0 / 3.0)]
     }
-}
-
-fn limit_points<'a>(limits: &[[f64; 6]], x: impl IntoIterator<Item = &'a Vec3>) -> [Vec3; 6] {
-    let mut points = [Vec3::zeros(); 6];
-    for (weights, x) in limits.iter().zip(x) {
-        for (point, weight) in points.iter_mut().zip(weights) {
-            *point += *weight * x;
-        }
-    }
-    points
 }
 
 fn combine(vectors: &[Vec3; 6], weights: &[f64; 6]) -> Vec3 {
@@ -236,7 +251,7 @@ mod tests {
     const PRESSURE: f64 = 0.03;
 
     fn pressurised(shell: &TestShell) -> Case<ChamberPressure> {
-        let mut term = ChamberPressure::new(&shell.points(), Vec::new());
+        let mut term = ChamberPressure::new(&shell.points());
         term.pressure = PRESSURE;
         let motion = Isometry3::new(Vec3::new(3.0, -5.0, 2.0), Vec3::new(0.4, 1.9, -0.7));
         Case { term, positions: shell.deformed.clone(), motion }
@@ -244,13 +259,29 @@ mod tests {
 
     term_suite!(chamber, pressurised);
 
+    /// An egg with fans on some of its edges, about an origin of its own.
+    fn fanned(shell: &TestShell) -> Case<ChamberPressure> {
+        let points = shell.points();
+        let fan = |points: &ElementPoints| Fan {
+            points: points.clone(),
+            along: [0, 5, 1],
+            apex: Vec3::new(3.0, -20.0, 1.0),
+        };
+        let fans = points.iter().step_by(7).map(fan).collect();
+        let mut term = ChamberPressure::cut(&points, fans, Vec3::new(1.0, 2.0, -30.0));
+        term.pressure = PRESSURE;
+        Case { term, positions: shell.deformed.clone(), motion: Isometry3::identity() }
+    }
+
+    term_suite!(cut_chamber, fanned);
+
     /// Force and moment of the pressure vanish to rounding against pressure times area (times 10 mm), as on any
     /// closed surface.
     #[test]
     fn pressure_is_in_balance() {
         for seed in 0..4 {
             let shell = TestShell::new(seed);
-            let chamber = ChamberPressure::new(&shell.points(), Vec::new());
+            let chamber = ChamberPressure::new(&shell.points());
             let mut gradient = vec![Vec3::zeros(); shell.deformed.len()];
             chamber.add_volume_gradient(&shell.deformed, &mut gradient);
             let area: f64 = gradient.iter().map(|g| g.norm()).sum();
@@ -268,7 +299,7 @@ mod tests {
     #[test]
     fn volume_gradient_is_the_difference_of_the_volume() {
         let shell = TestShell::new(5);
-        let chamber = ChamberPressure::new(&shell.points(), Vec::new());
+        let chamber = ChamberPressure::new(&shell.points());
         let mut gradient = vec![Vec3::zeros(); shell.deformed.len()];
         chamber.add_volume_gradient(&shell.deformed, &mut gradient);
         for (v, gradient) in gradient.iter().enumerate() {
@@ -299,7 +330,7 @@ mod tests {
             let control = fitted_control_points(&mesh, &bases).unwrap();
             let exact = 4000.0 / 3.0 * std::f64::consts::PI;
             let points = ElementPoints::of_stencils(&mesh.stencils, &bases);
-            1.0 - ChamberPressure::new(&points, Vec::new()).volume(&control) / exact
+            1.0 - ChamberPressure::new(&points).volume(&control) / exact
         });
         for pair in errors.windows(2) {
             let order = (pair[0] / pair[1]).abs().log2();
