@@ -6,6 +6,7 @@ use anyhow::{Context, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::design_folder::{write_path, write_surface};
+use super::material::instability;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState};
 use super::{say, warn};
@@ -29,6 +30,7 @@ pub(super) fn run(
     solver: Option<Backend>,
 ) -> anyhow::Result<()> {
     let run = RunFile::read(path, solver)?;
+    instability(&run.material.material()?).iter().for_each(|line| warn(line));
     // PETSc solves one system at a time in a process: more threads would only wait.
     let threads = if run.solver.backend == Backend::Petsc && threads != 1 {
         say("petsc evaluates one candidate at a time; native would use every core");

@@ -4,8 +4,8 @@ use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use crate::model::material::{
-    Compressible, Material, MooneyRivlin, NeoHookean, Ogden, OgdenTerm, Rubber, StVenantKirchhoff,
-    Yeoh,
+    Compressible, Loading, Material, MooneyRivlin, NeoHookean, Ogden, OgdenTerm, Rubber,
+    StVenantKirchhoff, Yeoh,
 };
 
 /// What a file says about the material: a preset alone, or a law with its own keys.
@@ -223,6 +223,22 @@ const SOFTEST_VOLUME: f64 = 0.3;
 /// Measured laws have exponents up to some 25; far beyond, the powers of the stretches overflow.
 const LARGEST_EXPONENT: f64 = 100.0;
 
+/// Where a rubber gives way within everyday stretches, a line that says so.
+pub(super) fn instability(material: &Material) -> Option<String> {
+    const EVERYDAY: [f64; 2] = [0.5, 2.0];
+    let loadings = [Loading::Uniaxial, Loading::Equibiaxial, Loading::Planar];
+    let is_rubber = !matches!(material, Material::StVenantKirchhoff(_));
+    let [least, most] = loadings.iter().filter(|_| is_rubber).fold(EVERYDAY, |range, &loading| {
+        let [least, most] = material.stable_stretches(loading);
+        [range[0].max(least), range[1].min(most)]
+    });
+    ([least, most] != EVERYDAY).then(|| {
+        format!(
+            "[material] is stable between stretches of {least:.2} and {most:.2} only (Drucker); beyond, its answers are no material's"
+        )
+    })
+}
+
 /// Checks that `value` is a positive number of a size that mm, N and MPa can have.
 pub(super) fn positive(what: &str, value: f64) -> anyhow::Result<f64> {
     if value > 0.0 && value.is_finite() {
@@ -306,5 +322,17 @@ mod tests {
             assert!((material.poisson_ratio() - ratio).abs() < 1e-6, "{preset}");
             assert_eq!(toml::to_string(&section).unwrap(), format!("preset = \"{preset}\"\n"));
         }
+    }
+
+    /// A second term of the other sign and a larger exponent wins at a stretch that tension alone reaches.
+    #[test]
+    fn laws_that_give_way_are_told() {
+        let unstable =
+            Ogden::new(&[OgdenTerm { mu: 2.0, alpha: 2.0 }, OgdenTerm { mu: -0.2, alpha: 6.0 }]);
+        assert!(
+            instability(&Material::Ogden(unstable)).is_some_and(|line| line.contains("stretches"))
+        );
+        assert_eq!(instability(&Material::Ogden(Ogden::ninjaflex_c2s())), None);
+        assert_eq!(instability(&Material::Ogden(Ogden::ninjaflex_yap2016())), None);
     }
 }

