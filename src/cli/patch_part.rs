@@ -170,6 +170,12 @@ fn held(axes: &[Axis], what: &str) -> anyhow::Result<[bool; 3]> {
 }
 
 impl ForceSection {
+    /// Whether it is other than zero.
+    pub(super) fn acts(&self) -> bool {
+        let vectors = [self.force, self.per_length, self.per_area];
+        vectors.into_iter().flatten().flatten().any(|component| component != 0.0)
+    }
+
     pub(super) fn acting(&self) -> anyhow::Result<Force> {
         let vector = |name, f| load_vector(name, f);
         match (self.at, self.force, self.side, self.per_length, self.per_area) {
@@ -191,13 +197,26 @@ impl ForceSection {
 
 impl MomentSection {
     pub(super) fn per_length(&self) -> anyhow::Result<Vec3> {
-        load_vector("[[moment]] per_length", self.per_length)
+        let moment = load_vector("[[moment]] per_length", self.per_length)?;
+        ensure!(moment != Vec3::zeros(), "[[moment]] per_length is zero: no moment at all");
+        Ok(moment)
     }
 }
 
+/// Checks the pressure on a patch, MPa, of either sign.
+pub(super) fn check_patch_pressure(pressure: f64) -> anyhow::Result<()> {
+    let what = "[load] pressure of a [part.patch]";
+    within(what, pressure, -LARGEST_LOAD, LARGEST_LOAD)?;
+    ensure!(pressure != 0.0, "{what} is zero: no pressure at all");
+    Ok(())
+}
+
+/// Beyond, in N, mm and MPa, nothing is a load.
+const LARGEST_LOAD: f64 = 1e12;
+
 fn load_vector(what: &str, vector: [f64; 3]) -> anyhow::Result<Vec3> {
     for component in vector {
-        within(what, component, -1e12, 1e12)?;
+        within(what, component, -LARGEST_LOAD, LARGEST_LOAD)?;
     }
     Ok(Vec3::from(vector))
 }

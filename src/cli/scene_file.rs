@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::material::{MaterialSection, positive, within};
 use super::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PatchSection, PinSection,
+    check_patch_pressure,
 };
 use super::run_file::{
     SolverSection, check_distance, check_mesh, check_normal, check_shell, check_solver,
@@ -192,8 +193,13 @@ impl SceneFile {
             None if is_free => Watchable::FreeBody,
             None => Watchable::Actuator,
         };
-        for watch in &self.watches {
+        for (i, watch) in self.watches.iter().enumerate() {
             watch.check(watchable)?;
+            ensure!(
+                self.watches[..i].iter().all(|before| before.name != watch.name),
+                "[[watch]] lists the name {:?} twice",
+                watch.name
+            );
         }
         ensure!(
             watchable == Watchable::Actuator || self.planes.is_empty(),
@@ -206,6 +212,9 @@ impl SceneFile {
         if let Some(patch) = patch {
             patch.check()?;
             conditions.check(patch)?;
+            if let Some(pressure) = self.load.pressure {
+                check_patch_pressure(pressure)?;
+            }
         } else {
             let listed = [
                 ("edge", self.edges.is_empty()),
@@ -236,7 +245,7 @@ impl SceneFile {
         }
         ensure!(
             self.part.patch.is_none() || self.has_load(),
-            "a [part.patch] wants a load: [load] pressure, [[force]] or [[moment]]"
+            "a [part.patch] wants a load other than zero: [load] pressure, [[force]] or [[moment]]"
         );
         Ok(())
     }
@@ -260,7 +269,10 @@ impl SceneFile {
     }
 
     fn has_load(&self) -> bool {
-        self.load.pressure.is_some() || !self.forces.is_empty() || !self.moments.is_empty()
+        // A moment is refused where it is zero, and a pressure too.
+        self.load.pressure.is_some()
+            || !self.moments.is_empty()
+            || self.forces.iter().any(ForceSection::acts)
     }
 
     /// The largest load and how its path is walked; the load of a patch is the share of all its loads, 1 at most.

@@ -29,8 +29,8 @@ pub(super) struct Measured {
     pub cpu_seconds: f64,
     /// Of each watch, over the share of the load.
     pub curves: Vec<WatchCurve>,
-    /// The share of the load at which the path first met an instability, or ended.
-    pub limit_load: f64,
+    /// The share of the load at which the path first met an instability; none where it met none.
+    pub limit_load: Option<f64>,
 }
 
 impl Shape {
@@ -66,8 +66,6 @@ impl Shape {
             follow(&mut self.model, solver.as_mut(), largest.pressure, Vec::new(), &largest.path)?
         };
         let seconds = cpu_seconds() - start;
-        let snap = walked.points.iter().position(|point| point.shifted > 0);
-        let last = snap.unwrap_or(walked.points.len()).saturating_sub(1);
         Ok(Measured {
             unknowns: self.model.free_unknowns(),
             cpu_seconds: seconds,
@@ -76,10 +74,18 @@ impl Shape {
                 .iter()
                 .map(|watch| watch.curve(&self.model, &walked.points, largest.pressure))
                 .collect(),
-            limit_load: walked.points.get(last).map_or(0.0, |point| point.load / largest.pressure),
+            limit_load: limit_load(&walked).map(|load| load / largest.pressure),
             walked,
         })
     }
+}
+
+/// The largest load before the path snapped or lost its stability, if it did: other endings are no limit point.
+fn limit_load(walked: &Walked) -> Option<f64> {
+    let snap = walked.points.iter().position(|point| point.shifted > 0);
+    let is_limit = matches!(walked.ending, Ending::LimitPoint | Ending::Unstable);
+    let end = snap.or(is_limit.then_some(walked.points.len()))?;
+    walked.points.get(end.checked_sub(1)?).map(|point| point.load)
 }
 
 /// The watches of a closed part.
@@ -167,4 +173,38 @@ fn linear_step(
         shifted: 0,
     };
     Ok(Walked { points: vec![point(0.0), point(largest)], ending: Ending::Reached })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_an_instability_is_a_limit_load() {
+        let point = |load: f64, shifted: usize| PathPoint {
+            load,
+            conjugate: 0.0,
+            work: 0.0,
+            stored_energy: 0.0,
+            x: Vec::new(),
+            rate: Vec::new(),
+            conjugate_rate: 0.0,
+            newton_iterations: 0,
+            shifted,
+        };
+        let limit = |shifted: [usize; 3], ending| {
+            let loads = [0.0, 0.5, 0.75];
+            let points = loads.into_iter().zip(shifted).map(|(load, s)| point(load, s)).collect();
+            limit_load(&Walked { points, ending })
+        };
+        for ending in [Ending::LimitPoint, Ending::Unstable] {
+            assert_eq!(limit([0; 3], ending), Some(0.75));
+        }
+        for ending in [Ending::Reached, Ending::Inverted, Ending::Stalled, Ending::BudgetSpent] {
+            assert_eq!(limit([0; 3], ending), None);
+            assert_eq!(limit([0, 0, 2], ending), Some(0.5));
+        }
+        let nothing = Walked { points: Vec::new(), ending: Ending::Unstable };
+        assert_eq!(limit_load(&nothing), None);
+    }
 }

@@ -38,13 +38,16 @@ pub(super) enum MeshSize {
 }
 
 /// The error that is accepted of an element on one mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Accepted {
     pub element: ShellElement,
     pub mesh: MeshSize,
     /// Of the largest reference value, %.
     pub error: f64,
+    /// Why it is known to be larger.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub miss: Option<String>,
 }
 
 /// What a watch should show.
@@ -93,6 +96,10 @@ impl VerifySection {
                 self.meshes.contains(&accepted.mesh),
                 "[[verify.accept]] mesh {} is not one of [verify] meshes",
                 accepted.mesh
+            );
+            ensure!(
+                accepted.miss.as_ref().is_none_or(|why| !why.trim().is_empty()),
+                "[[verify.accept]] miss is empty, but it must say why"
             );
         }
         for Reference { watch, load, value } in &self.reference {

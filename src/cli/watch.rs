@@ -92,6 +92,10 @@ impl WatchSection {
     /// Checks that the part has what is watched.
     pub(super) fn check(&self, part: Watchable) -> anyhow::Result<()> {
         let name = &self.name;
+        ensure!(
+            !name.trim().is_empty(),
+            "[[watch]] name is {name:?}, but it must name what is watched"
+        );
         match self.watched()? {
             Watched::Vertex { .. } if part != Watchable::Patch => {
                 bail!("[[watch]] {name}: `at` wants a [part.patch], which alone has `s` and `t`")

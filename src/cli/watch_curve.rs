@@ -26,7 +26,7 @@ pub(super) struct Deviation {
     pub load: f64,
     pub measured: f64,
     pub reference: f64,
-    /// The largest distance in % of the reference value at the same load, of those not near zero.
+    /// The largest distance in % of the reference value at the same load, where that is not near zero.
     pub pointwise_error: f64,
 }
 
@@ -66,7 +66,7 @@ impl WatchCurve {
             let distance = Some((measured - value).abs()).filter(|d| !d.is_nan());
             let distance = distance.unwrap_or(f64::INFINITY);
             let error = 100.0 * distance / scale;
-            if value.abs() > NEAR_ZERO * scale {
+            if value.abs() >= NEAR_ZERO * scale {
                 pointwise_error = pointwise_error.max(100.0 * distance / value.abs());
             }
             if worst.is_none_or(|worst| error > worst.error) {
@@ -79,8 +79,8 @@ impl WatchCurve {
     }
 }
 
-/// Tables have three or four digits: below a hundredth of its largest value, a value's own error says little.
-const NEAR_ZERO: f64 = 0.01;
+/// Tables have three or four digits: of a value below this share of the largest, the last digit alone is some percent.
+const NEAR_ZERO: f64 = 0.05;
 
 #[cfg(test)]
 mod tests {
@@ -116,6 +116,12 @@ mod tests {
         assert_eq!(deviation.load, 1.0);
         assert!((deviation.error - 25.0).abs() < 1e-9 && (deviation.measured - 3.0).abs() < 1e-9);
         assert!((deviation.pointwise_error - 25.0).abs() < 1e-9);
+        // 4 % of the largest is near zero, 5 % is not: 1.201 / 0.2 - 1.
+        for (value, exact) in [(0.16, 25.0), (0.2, 500.5)] {
+            let reference = Reference { value: vec![1.1, value, 4.0], ..reference.clone() };
+            let pointwise = cubic().deviation(&reference).unwrap().pointwise_error;
+            assert!((pointwise - exact).abs() < 1e-9, "{pointwise}");
+        }
         let beyond = Reference { load: vec![0.5, 2.0], value: vec![1.0, 2.0], ..reference };
         assert_eq!(cubic().deviation(&beyond), Err(2.0));
     }

@@ -17,7 +17,7 @@ fn a_case_leaves_a_table_and_figures() {
         assert!(line.starts_with("tube_thick ") && line.contains(element), "{line}");
         assert!(line.ends_with(" ok") && line.len() <= 120, "{line}");
     }
-    assert_eq!(lines[3], "2 within what is accepted, 0 too far");
+    assert_eq!(lines[3], "2 within what is accepted, 0 known to miss it, 0 too far");
 
     let measured = workshop.column("out/errors.csv", "measured");
     let errors = workshop.column("out/errors.csv", "error");
@@ -28,6 +28,10 @@ fn a_case_leaves_a_table_and_figures() {
         let own = 100.0 * (measured / reference - 1.0).abs();
         assert!(*error > 0.0 && *error < 5.0 && *error <= own + 1e-9, "{error} {own}");
     }
+    let pointwise = workshop.column("out/errors.csv", "pointwise_error");
+    // Of a smaller reference or the same, at its worst load.
+    assert!(pointwise.iter().zip(&errors).all(|(point, error)| *point >= error - 1e-9));
+    assert!(lines[0].contains(" err% point% "), "{out}");
     assert!(workshop.column("out/errors.csv", "unknowns").iter().all(|n| *n > 100.0));
     for figure in ["tube_thick", "summary"] {
         assert!(workshop.read(&format!("out/{figure}.svg")).starts_with("<svg"));

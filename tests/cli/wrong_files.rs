@@ -320,3 +320,64 @@ fn networks_are_told_their_faults_in_one_line() {
         workshop.refuse(&["mesh", "network.toml", "--out", "out"], 1, &[words]);
     }
 }
+
+/// A strip held at one side, with `rest` for its load and its watches.
+fn strip(rest: &str) -> String {
+    let patch = "s = [0, 12]\nt = [0, 1]\ncells = [4, 2]\nx = \"s\"\ny = \"t\"\nz = \"0\"\n";
+    format!("[part.patch]\n{patch}[[edge]]\nside = \"s0\"\nclamped = true\n{rest}")
+}
+
+#[test]
+fn patches_without_a_load_are_refused() {
+    let workshop = Workshop::new();
+    let nothing = "scene.toml: a [part.patch] wants a load other than zero";
+    let force = |f: &str| format!("[[force]]\n{f}\n");
+    for (rest, words) in [
+        (String::new(), nothing),
+        ("[load]\nlinear = true\n".to_owned(), nothing),
+        (force("per_area = [0, 0, 0]"), nothing),
+        (force("at = [12, 0]\nforce = [0, 0, -0.0]"), nothing),
+        (force("per_area = [0, nan, 0]"), "[[force]] per_area is NaN, but it must lie between"),
+        (
+            "[[moment]]\nside = \"s1\"\nper_length = [0, 0, 0]\n".to_owned(),
+            "scene.toml: [[moment]] per_length is zero",
+        ),
+        ("[load]\npressure = 0\n".to_owned(), "[load] pressure of a [part.patch] is zero"),
+        (
+            "[load]\npressure = nan\n".to_owned(),
+            "[load] pressure of a [part.patch] is NaN, but it must lie between",
+        ),
+        (
+            "[load]\npressure = -inf\n".to_owned(),
+            "[load] pressure of a [part.patch] is -inf, but it must lie between",
+        ),
+    ] {
+        workshop.refuse_scene(&strip(&rest), &[words]);
+    }
+    // From the other side, and a zero beside it: a load all the same. Pressure wants no free side.
+    let side = |name: &str, how: &str| format!("[[edge]]\nside = \"{name}\"\n{how}\n");
+    let load = [
+        side("s1", "clamped = true"),
+        side("t0", "symmetry = \"y\""),
+        side("t1", "symmetry = \"y\""),
+        force("per_area = [0, 0, 0]"),
+        "[load]\npressure = -1e-6\nlinear = true\n".to_owned(),
+    ];
+    let load = load.concat();
+    workshop.write("scene.toml", strip(&load));
+    workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
+}
+
+#[test]
+fn watches_have_names_of_their_own() {
+    let workshop = Workshop::new();
+    let watch =
+        |name: &str| format!("[[watch]]\nname = \"{name}\"\nat = [12, 0]\ndirection = [0, 0, 1]\n");
+    let scene = |names: [&str; 2]| {
+        strip(&format!("[load]\npressure = 1e-6\n{}{}", watch(names[0]), watch(names[1])))
+    };
+    let twice = "scene.toml: [[watch]] lists the name \"tip\" twice";
+    workshop.refuse_scene(&scene(["tip", "tip"]), &[twice]);
+    workshop.refuse_scene(&scene(["tip", ""]), &["scene.toml: [[watch]] name is \"\", but"]);
+    workshop.refuse_scene(&scene([" ", "tip"]), &["scene.toml: [[watch]] name is \" \", but"]);
+}
