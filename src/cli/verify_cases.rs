@@ -139,6 +139,20 @@ mod tests {
         }
     }
 
+    /// A reason is not given away: the one case that has it has it for both elements, and an empty one is refused.
+    #[test]
+    fn known_misses_have_a_reason() {
+        for case in cases() {
+            let misses = case.verify.accept.iter().filter(|accept| accept.miss.is_some()).count();
+            let known = if case.name == "pinched_cylinder_large" { 2 } else { 0 };
+            assert_eq!(misses, known, "{}", case.name);
+        }
+        let Case { scene, mut verify, .. } = case("pinched_cylinder_large").unwrap();
+        verify.accept[0].miss = Some(" ".to_owned());
+        let error = verify.check(&scene).unwrap_err().to_string();
+        assert_eq!(error, "[[verify.accept]] miss is empty, but it must say why");
+    }
+
     #[test]
     fn an_unknown_case_names_the_nearest() {
         let error = case("scordelis").unwrap_err().to_string();
