@@ -106,6 +106,7 @@ mod tests {
 
     use super::*;
     use crate::cli::patch_part::{Axis, EdgeSection, PatchSection};
+    use crate::cli::verify_section::KnownMiss;
     use crate::cli::watch::Watched;
     use crate::math::Vec3;
     use crate::mesh::Side;
@@ -148,9 +149,9 @@ mod tests {
             assert_eq!(misses, known, "{}", case.name);
         }
         let Case { scene, mut verify, .. } = case("pinched_cylinder_large").unwrap();
-        verify.accept[0].miss = Some(" ".to_owned());
+        verify.accept[0].miss = Some(KnownMiss { up_to: 20.0, why: " ".to_owned() });
         let error = verify.check(&scene).unwrap_err().to_string();
-        assert_eq!(error, "[[verify.accept]] miss is empty, but it must say why");
+        assert_eq!(error, "[[verify.accept]] miss has no `why`");
     }
 
     #[test]

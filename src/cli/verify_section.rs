@@ -45,9 +45,18 @@ pub(super) struct Accepted {
     pub mesh: MeshSize,
     /// Of the largest reference value, %.
     pub error: f64,
-    /// Why it is known to be larger.
+    /// That it is known to be larger.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub miss: Option<String>,
+    pub miss: Option<KnownMiss>,
+}
+
+/// An error that is known to be larger than what is accepted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KnownMiss {
+    /// How large it is at most, as [`Accepted::error`], %.
+    pub up_to: f64,
+    pub why: String,
 }
 
 /// What a watch should show.
@@ -97,10 +106,10 @@ impl VerifySection {
                 "[[verify.accept]] mesh {} is not one of [verify] meshes",
                 accepted.mesh
             );
-            ensure!(
-                accepted.miss.as_ref().is_none_or(|why| !why.trim().is_empty()),
-                "[[verify.accept]] miss is empty, but it must say why"
-            );
+            if let Some(KnownMiss { up_to, why }) = &accepted.miss {
+                positive("[[verify.accept]] miss up_to", *up_to)?;
+                ensure!(!why.trim().is_empty(), "[[verify.accept]] miss has no `why`");
+            }
         }
         for Reference { watch, load, value } in &self.reference {
             let what = format!("[[verify.reference]] {watch}");
