@@ -232,7 +232,8 @@ pub(super) fn instability(material: &Material) -> Option<String> {
         let [least, most] = material.stable_stretches(loading);
         [range[0].max(least), range[1].min(most)]
     });
-    ([least, most] != EVERYDAY).then(|| {
+    // A law that is unstable at rest fails by itself, and says so.
+    ([least, most] != EVERYDAY && least < most).then(|| {
         format!(
             "[material] is stable between stretches of {least:.2} and {most:.2} only (Drucker); beyond, its answers are no material's"
         )
