@@ -352,11 +352,12 @@ impl LoadedSystem for ShellModel {
         self.dirichlet.apply_to_residual(direction);
     }
 
-    fn settle(&mut self, u: &[f64]) {
+    fn settle(&mut self, u: &[f64]) -> f64 {
         let positions = self.displaced(u);
         if let Some((moments, _)) = &mut self.moments {
             moments.inner_mut().settle(&positions);
         }
+        0.0
     }
 }
 

@@ -76,6 +76,15 @@ pub trait System {
         0.0
     }
 
+    /// Makes room in the pattern for contacts that are near at `x [n]`; returns whether the pattern changed.
+    ///
+    /// A solver asks before each tangent, and plans its factorisation anew where it did. Energy and residual do not
+    /// depend on it.
+    fn make_room(&mut self, x: &[f64]) -> bool {
+        let _ = x;
+        false
+    }
+
     /// The number of negative pivots of the tangent at a stable equilibrium (0 unless there are multipliers).
     fn stable_negative_pivots(&self) -> usize {
         0
@@ -93,8 +102,41 @@ pub trait LoadedSystem: System {
     /// Writes the gradient of the conjugate into `direction [n]`, zero where unknowns are held: `K dx/dload = direction`.
     fn load_direction(&self, x: &[f64], direction: &mut [f64]);
 
-    /// Told of every accepted equilibrium `x [n]`, for loads that count turns.
-    fn settle(&mut self, x: &[f64]) {
+    /// Told of every accepted equilibrium `x [n]`, for what has a history; returns the energy given off as heat since the
+    /// last, mJ.
+    fn settle(&mut self, x: &[f64]) -> f64 {
         let _ = x;
+        0.0
     }
+
+    /// Brings what the energy takes as constant during a solve (the normal forces of friction) up to the equilibrium
+    /// `x [n]`; returns how far it was off, as a share of its size. 0 where there is nothing of the kind.
+    fn refresh(&mut self, x: &[f64]) -> f64 {
+        let _ = x;
+        0.0
+    }
+
+    /// The first bound of the model's validity that `x [n]` has passed.
+    fn passed_limit(&self, x: &[f64]) -> Option<Limit> {
+        let _ = x;
+        None
+    }
+}
+
+/// A bound of a model's validity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// Which bound.
+    pub kind: LimitKind,
+    /// An unknown where it was passed.
+    pub unknown: usize,
+}
+
+/// What ends a model's validity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LimitKind {
+    /// The wall is stretched beyond the bound that was set.
+    Ballooning,
+    /// The part touches itself, which is not modelled.
+    SelfTouch,
 }
