@@ -6,7 +6,8 @@
 //!
 //! The arc passes limit points of the load and of its conjugate alike, at the price of the conjugate alone (two
 //! back-substitutions), so nothing is tried in between. `L` is the largest load, `X` makes both parts equal where the arc begins. The step follows Newton's
-//! work and the angle between tangents.
+//! work and the angle between tangents; it is cut while work done and energy stored differ, as they do where another branch was
+//! met.
 
 use super::bordered::{self, Constraint, Metric};
 use super::ending::Ending;
@@ -39,7 +40,7 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
         let start = State { x: last.x.clone(), load: from };
         let mut guess = best_prediction(walk.system, start, steps);
         guess.load = load;
-        match walk.equilibrium(load, guess)? {
+        match walk.equilibrium(load, guess, true)? {
             Ok(mut point) => {
                 point.is_sample = true;
                 let easy = walk.iterations <= 5;
@@ -98,7 +99,8 @@ impl Arc {
             if walk.spent > walk.settings.iteration_budget {
                 return Ok(Ending::BudgetSpent);
             }
-            let Some(mut point) = self.step(walk)? else {
+            let stepped = self.step(walk)?.filter(|point| walk.resolves(point));
+            let Some(point) = stepped else {
                 walk.cuts += 1;
                 self.step *= 0.5;
                 if self.step < self.smallest {
@@ -113,7 +115,6 @@ impl Arc {
             if (point.load - self.end) / self.end >= 0.0 {
                 return self.finish(walk);
             }
-            point.work = walk.last().work + work_between(walk.last(), &point);
             let cosine = self
                 .metric
                 .product((&point.rate, point.load_rate), (&self.last.rate, self.last.load_rate));
@@ -155,6 +156,7 @@ impl Arc {
             .product((&point.rate, point.load_rate), (&self.last.rate, self.last.load_rate));
         point.drive = self.last.drive + self.step;
         point.on_arc = true;
+        point.work = walk.last().work + work_between(walk.last(), &point);
         Ok((cosine > SHARPEST).then_some(point))
     }
 

@@ -272,7 +272,7 @@ impl Walk<'_> {
         self.system.set_load(0.0);
         let drive = self.supply.at_rest(self.system.conjugate(&x));
         let supply = std::mem::replace(&mut self.supply, Supply::Load);
-        let found = self.equilibrium(0.0, State { x, load: 0.0 })?;
+        let found = self.equilibrium(0.0, State { x, load: 0.0 }, true)?;
         self.supply = supply;
         Ok(found.map(|mut point| {
             if supply != Supply::Load {
@@ -314,7 +314,7 @@ impl Walk<'_> {
             let may_halve = halved / smallest >= 1.0 - 1e-9;
             let guess = self.prediction(drive);
             let predicted = guess.clone();
-            let tried = self.equilibrium(drive, guess)?;
+            let tried = self.equilibrium(drive, guess, true)?;
             match tried {
                 Ok(mut point) if self.resolves(&point) => {
                     self.step = step * self.growth(&point, &predicted);
@@ -339,18 +339,39 @@ impl Walk<'_> {
                 }
                 unresolved => {
                     let saddle = unresolved.err().and_then(|missed| missed.unstable);
-                    match self.fall(drive, saddle)? {
+                    match self.fall_beyond(step, target, saddle)? {
                         Ok(mut point) => {
                             self.step = 4.0 * smallest;
-                            point.is_sample = drive == target;
+                            point.is_sample = point.drive == target;
+                            let is_there = point.is_sample;
                             self.accept(point);
-                            if drive == target {
+                            if is_there {
                                 return Ok(None);
                             }
                         }
                         Err(ending) => return Ok(Some(ending)),
                     }
                 }
+            }
+        }
+    }
+
+    /// Falls to a stable state at `step` or further ahead, at most at `target`: right behind a bifurcation the branches are
+    /// too near to be told apart.
+    fn fall_beyond(
+        &mut self,
+        step: f64,
+        target: f64,
+        mut saddle: Option<State>,
+    ) -> Result<Result<PathPoint, Ending>, SolverFailure> {
+        let left = target - self.last().drive;
+        let mut ahead = step;
+        loop {
+            let is_last = left / ahead < FURTHER || ahead / step > FURTHEST;
+            let drive = if ahead == left { target } else { self.last().drive + ahead };
+            match self.fall(drive, saddle.take())? {
+                Err(Ending::LimitPoint | Ending::Stalled) if !is_last => ahead *= FURTHER,
+                fallen => return Ok(fallen),
             }
         }
     }
@@ -379,22 +400,24 @@ impl Walk<'_> {
     }
 
     /// Whether the step to `point` is fine enough to be believed: the work done is the energy stored.
-    fn resolves(&self, point: &PathPoint) -> bool {
+    pub(super) fn resolves(&self, point: &PathPoint) -> bool {
         let last = self.last();
         let stored = point.stored_energy - last.stored_energy;
         let work = point.work - last.work;
-        (work - stored).abs() <= self.settings.work_tolerance * point.work.abs()
+        let scale = point.work.abs().max(last.work.abs());
+        (work - stored).abs() <= self.settings.work_tolerance * scale
     }
 
-    /// The stable equilibrium near `guess` at `drive`.
+    /// The stable equilibrium near `guess` at `drive`; `stops` says whether an indefinite tangent ends the search.
     pub(super) fn equilibrium(
         &mut self,
         drive: f64,
         guess: State,
+        stops: bool,
     ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
         let mut state = guess;
         for _ in 0..REFRESHES {
-            let newton = NewtonSettings { stops_when_indefinite: true, ..self.settings.newton };
+            let newton = NewtonSettings { stops_when_indefinite: stops, ..self.settings.newton };
             let report = self.solve(drive, &mut state, &newton)?;
             if self.spent > self.settings.iteration_budget {
                 return Ok(Err(Ending::BudgetSpent.into()));
@@ -544,6 +567,9 @@ pub(super) fn best_prediction(
 const EASY_ITERATIONS: f64 = 5.0;
 /// The error of a prediction, as a share of the step, at which it is as long as it should be.
 const NEAR: f64 = 0.2;
+/// How much further the next fall is tried, and the furthest after which none is.
+const FURTHER: f64 = 4.0;
+const FURTHEST: f64 = 15.0;
 /// Solves of one state until what the energy takes as constant agrees with it.
 const REFRESHES: usize = 12;
 /// How well it has to agree.

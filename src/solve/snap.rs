@@ -98,17 +98,20 @@ impl Walk<'_> {
                 return Ok(Err(limit.kind.into()));
             }
             damping *= 0.25;
-            // Slowing down: an equilibrium may be near.
-            if moved < moved_before {
-                match self.equilibrium(drive, state.clone())? {
+            // Slowing down: an equilibrium may be near. Where nothing moves any more there is one, though it may be a saddle.
+            let rests = report.iterations == 0;
+            if rests || moved < moved_before {
+                let missed = match self.equilibrium(drive, state.clone(), !rests)? {
                     Ok(point) => return Ok(Ok(point)),
-                    Err(missed) => match (missed.ending, missed.unstable) {
-                        (Ending::BudgetSpent | Ending::Ballooning | Ending::SelfTouch, _) => {
-                            return Ok(Err(missed.ending));
-                        }
-                        (_, Some(saddle)) => state = self.pushed_off(drive, saddle)?,
-                        _ => {}
-                    },
+                    Err(missed) => missed,
+                };
+                match (missed.ending, missed.unstable) {
+                    (Ending::BudgetSpent | Ending::Ballooning | Ending::SelfTouch, _) => {
+                        return Ok(Err(missed.ending));
+                    }
+                    (_, Some(saddle)) => state = self.pushed_off(drive, saddle)?,
+                    (ending, None) if rests => return Ok(Err(ending)),
+                    _ => {}
                 }
             }
             moved_before = moved;
@@ -135,36 +138,63 @@ impl Walk<'_> {
         Ok(report)
     }
 
-    /// The state beside a saddle, along its critical mode.
+    /// The state beside a saddle, along the mode in which it is least stable.
     fn pushed_off(&mut self, drive: f64, saddle: State) -> Result<State, SolverFailure> {
-        self.system.set_load(saddle.load);
-        self.solver.linearize(self.system, &saddle.x)?;
+        let mean_diagonal = self.mean_diagonal(&saddle)?;
+        let stable = self.system.stable_negative_pivots();
+        let mut direction = vec![0.0; saddle.x.len()];
+        self.system.load_direction(&saddle.x, &mut direction);
+        let conjugate = self.system.conjugate(&saddle.x);
+        let equation = self.supply.equation(saddle.load, conjugate, drive);
+        let (mut by_load, mut damping) = (direction.clone(), FIRST_SHIFT * mean_diagonal);
+        // The first shift that makes the saddle stable is at most twice what it takes, so that the least stable mode is the
+        // one nearest to zero.
+        for _ in 0..SHIFTS {
+            damping *= 2.0;
+            let anchor = saddle.x.clone();
+            let mut damped = Damped { anchor, damping, system: &mut *self.system };
+            let negative = self.solver.linearize(&mut damped, &saddle.x)?;
+            if !self.solver.is_invertible() {
+                continue;
+            }
+            by_load.copy_from_slice(&direction);
+            self.solver.solve_linearized(&mut by_load)?;
+            let cured = equation.cures(dot(&direction, &by_load));
+            if negative.saturating_sub(stable) <= cured {
+                break;
+            }
+        }
         if !self.solver.is_invertible() {
             return Ok(saddle);
         }
-        // Inverse iteration, from a vector that no mode is likely to be orthogonal to, zero where unknowns are held.
+        let share = equation.by_conjugate * equation.load_rate(dot(&direction, &by_load));
+        // Inverse iteration with K + k a a^T, from a vector that no mode is likely to be orthogonal to.
         let mut mode: Vec<f64> = (0..saddle.x.len()).map(|i| (1.0 + i as f64).sin()).collect();
         for _ in 0..MODE_ITERATIONS {
             self.solver.solve_linearized(&mut mode)?;
+            let relief = share * dot(&direction, &mode);
+            mode.iter_mut().zip(&by_load).for_each(|(mode, z)| *mode -= relief * z);
             let norm = dot(&mode, &mode).sqrt();
             mode.iter_mut().for_each(|value| *value /= norm);
         }
         let largest =
             mode.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-        let size = self.reach_of(&saddle.x);
-        let beside = |sign: f64| {
-            let scale = sign * PUSH * size / largest;
-            let x = saddle.x.iter().zip(&mode).map(|(x, mode)| x + scale * mode).collect();
-            State { x, load: saddle.load }
-        };
-        let [up, down] = [beside(1.0), beside(-1.0)];
-        if self.supply == Supply::Load {
-            self.system.set_load(drive);
+        // The valleys on both sides may be near or far: the lowest of ever larger pushes is in one.
+        let size = PUSH * self.reach_of(&saddle.x) / largest;
+        self.system.set_load(saddle.load);
+        let energy = self.system.energy(&saddle.x).unwrap_or(f64::INFINITY);
+        let mut lowest = (energy - self.system.energy_rounding() - TIE * energy.abs(), size);
+        for push in (0..PUSHES).map(|doublings| size * f64::from(1 << doublings)) {
+            for push in [push, -push] {
+                let energy = self.system.energy(&beside(&saddle.x, &mode, push));
+                let energy = energy.unwrap_or(f64::INFINITY);
+                let tie = TIE * energy.abs() + self.system.energy_rounding();
+                if energy < lowest.0 - tie {
+                    lowest = (energy, push);
+                }
+            }
         }
-        let [at_up, at_down] =
-            [&up, &down].map(|state| self.system.energy(&state.x).unwrap_or(f64::INFINITY));
-        let slack = 1e-6 * (at_up - at_down).abs() + self.system.energy_rounding();
-        Ok(if at_down < at_up - slack.max(TIE * at_up.abs()) { down } else { up })
+        Ok(State { x: beside(&saddle.x, &mode, lowest.1), load: saddle.load })
     }
 
     /// The largest displacement of the path so far.
@@ -186,6 +216,10 @@ impl Walk<'_> {
     }
 }
 
+fn beside(x: &[f64], mode: &[f64], push: f64) -> Vec<f64> {
+    x.iter().zip(mode).map(|(x, mode)| x + push * mode).collect()
+}
+
 /// The first damping, as a share of the mean diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Over the first: where even this does not help, nothing does.
@@ -196,8 +230,13 @@ const LOOSE: f64 = 1e3;
 const FEW_ITERATIONS: usize = 12;
 /// More would be a part that chatters.
 const MOST_SNAPS: usize = 20;
-const MODE_ITERATIONS: usize = 8;
-/// The push along the critical mode, as a share of the largest displacement so far.
-const PUSH: f64 = 1e-2;
+/// Half the first shift of a saddle's tangent, as a share of its mean diagonal, and how often it is doubled.
+const FIRST_SHIFT: f64 = 1e-9;
+const SHIFTS: usize = 34;
+const MODE_ITERATIONS: usize = 20;
+/// The first push along the critical mode, as a share of the largest displacement so far, and how many are tried, each twice
+/// the one before.
+const PUSH: f64 = 1e-3;
+const PUSHES: u32 = 11;
 /// Energies that differ by less are equal.
 const TIE: f64 = 1e-12;

@@ -5,7 +5,7 @@ use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings};
 use pneumorph::model::material::Material;
 use pneumorph::model::system::{LoadedSystem, System};
 use pneumorph::model::{EdgeSupport, PatchLoads, ShellModel, Support};
-use pneumorph::solve::{EquilibriumSolver, NativeSolver, Path, PathSettings, follow};
+use pneumorph::solve::{EquilibriumSolver, NativeSolver, Path, PathSettings, Programme, follow};
 use pneumorph::surface::TriangleMesh;
 
 /// The middle of the walls of all spheres and tubes, mm.
@@ -58,8 +58,17 @@ pub(crate) fn quarter_tube(
 
 /// The path to a load, in so many steps of equal size at most.
 pub(crate) fn walked(model: &mut ShellModel, load: f64, settings: &PathSettings) -> Path {
+    driven(model, load, settings)
+}
+
+/// The path through a programme.
+pub(crate) fn driven(
+    model: &mut ShellModel,
+    programme: impl Into<Programme>,
+    settings: &PathSettings,
+) -> Path {
     let mut solver = NativeSolver::new(model.pattern()).unwrap();
-    follow(model, &mut solver, load, Vec::new(), settings).unwrap()
+    follow(model, &mut solver, programme, Vec::new(), settings).unwrap()
 }
 
 /// The displacements at a load of 1 by the linear theory.
