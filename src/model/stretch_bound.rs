@@ -44,8 +44,7 @@ impl StretchBound {
             ((positions[a as usize] - positions[b as usize]).norm_squared() / square, a)
         };
         let longest = self.sides.iter().map(stretch).max_by(|a, b| a.0.total_cmp(&b.0))?;
-        // What is not a number is beyond any bound.
-        (!(longest.0 <= square_bound)).then_some(longest.1)
+        (longest.0 > square_bound || longest.0.is_nan()).then_some(longest.1)
     }
 }
 

@@ -13,6 +13,8 @@ mod line_search;
 mod native;
 mod observed;
 mod path;
+#[cfg(test)]
+mod path_tests;
 #[cfg(feature = "petsc")]
 mod petsc;
 mod shift;

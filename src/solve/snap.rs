@@ -15,7 +15,6 @@ use super::bordered::dot;
 use super::damped::Damped;
 use super::ending::Ending;
 use super::path::{PathPoint, State, Walk, work_at_once};
-use super::supply::Supply;
 use super::{NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
 
 /// A loss of stability that a path went over, on the way to the point that carries it.
