@@ -11,9 +11,8 @@
 
 use super::bordered::{self, Constraint, Metric};
 use super::ending::Ending;
-use super::path::{
-    PathPoint, State, Walk, best_prediction, cubic_step, tangent_step, work_between,
-};
+use super::hermite::{cubic_step, tangent_step, work_between};
+use super::path::{PathPoint, State, Walk, best_prediction};
 use super::supply::Supply;
 use super::{NewtonEnding, SolverFailure};
 

@@ -9,6 +9,7 @@ mod curve;
 mod damped;
 mod ending;
 mod factor;
+mod hermite;
 mod line_search;
 mod native;
 mod observed;
@@ -32,8 +33,9 @@ use crate::model::system::System;
 
 pub use backend::Backend;
 pub use ending::Ending;
+pub use hermite::{Cubic, Segment};
 pub use native::NativeSolver;
-pub use path::{Cubic, Path, PathPoint, PathSettings, Programme, Segment, follow};
+pub use path::{Path, PathPoint, PathSettings, Programme, follow};
 #[cfg(feature = "petsc")]
 pub use petsc::Snes;
 pub use snap::Snap;

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use super::bordered::{self, Constraint};
 use super::curve;
 use super::ending::Ending;
+use super::hermite::{cubic_step, tangent_step, work_between};
 use super::snap::Snap;
 use super::supply::Supply;
 use super::{EquilibriumSolver, NewtonReport, NewtonSettings, SolverFailure};
@@ -376,7 +377,8 @@ impl Walk<'_> {
         }
     }
 
-    /// The factor on the next step: more where Newton's method had little to do, and where the prediction was near.
+    /// The factor on the next step: less where Newton's method had much to do, more where it had little and the prediction was
+    /// near.
     fn growth(&self, point: &PathPoint, predicted: &State) -> f64 {
         let last = self.last();
         let (mut missed, mut moved) = (0.0, 0.0);
@@ -388,7 +390,7 @@ impl Walk<'_> {
         // The prediction's error is of third order or better.
         let by_shape =
             if moved > 0.0 { (NEAR * NEAR * moved / missed).powf(1.0 / 6.0) } else { 2.0 };
-        by_work.min(by_shape).clamp(0.5, 2.0)
+        by_work.min(by_shape.max(1.0)).clamp(0.5, 2.0)
     }
 
     pub(super) fn accept(&mut self, mut point: PathPoint) {
@@ -564,7 +566,7 @@ pub(super) fn best_prediction(
 }
 
 /// Newton iterations at which a step is as long as it should be.
-const EASY_ITERATIONS: f64 = 5.0;
+const EASY_ITERATIONS: f64 = 6.0;
 /// The error of a prediction, as a share of the step, at which it is as long as it should be.
 const NEAR: f64 = 0.2;
 /// How much further the next fall is tried, and the furthest after which none is.
@@ -578,98 +580,4 @@ const REFRESHED: f64 = 1e-4;
 /// The unknown that moves fastest.
 fn fastest(rate: &[f64]) -> Option<usize> {
     (0..rate.len()).max_by(|&a, &b| rate[a].abs().total_cmp(&rate[b].abs()))
-}
-
-/// A step of state and load along the tangent.
-pub(super) fn tangent_step(last: &PathPoint, step: f64) -> (Vec<f64>, f64) {
-    (last.rate.iter().map(|rate| step * rate).collect(), step * last.load_rate)
-}
-
-/// The step along the cubic through two states with their rates.
-pub(super) fn cubic_step(before: &PathPoint, last: &PathPoint, step: f64) -> (Vec<f64>, f64) {
-    let h = last.drive - before.drive;
-    let s = (h + step) / h;
-    // Hermite's basis at s, less its value at s = 1.
-    let (s2, s3) = (s * s, s * s * s);
-    let at_before = 2.0 * s3 - 3.0 * s2 + 1.0;
-    let rate_before = h * (s3 - 2.0 * s2 + s);
-    let rate_last = h * (s3 - s2);
-    let at = |a: f64, b: f64, rate_a: f64, rate_b: f64| {
-        at_before * (a - b) + rate_before * rate_a + rate_last * rate_b
-    };
-    let dx = (0..last.x.len())
-        .map(|i| at(before.x[i], last.x[i], before.rate[i], last.rate[i]))
-        .collect();
-    (dx, at(before.load, last.load, before.load_rate, last.load_rate))
-}
-
-/// `int load dC` between two states.
-pub(super) fn work_between(a: &PathPoint, b: &PathPoint) -> f64 {
-    let rise = b.conjugate - a.conjugate;
-    let [from, to] = Segment::between(a, b).scales;
-    let load = Cubic { ends: [a.load, b.load], slopes: [from * a.load_rate, to * b.load_rate] };
-    // Relative to a's conjugate, so that nothing large cancels.
-    let conjugate =
-        Cubic { ends: [0.0, rise], slopes: [from * a.conjugate_rate, to * b.conjugate_rate] };
-    // Gauss's three points are exact for the fifth degree.
-    let half = 0.5 * 0.6_f64.sqrt();
-    [(0.5 - half, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + half, 5.0 / 18.0)]
-        .iter()
-        .map(|&(s, weight)| weight * load.at(s) * conjugate.slope(s))
-        .sum()
-}
-
-/// `int load dC` of a jump from one state to another.
-pub(super) fn work_at_once(a: &PathPoint, b: &PathPoint) -> f64 {
-    0.5 * (a.load + b.load) * (b.conjugate - a.conjugate)
-}
-
-/// The part of a path between two of its points, as a curve over 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
-    /// What turns the rates at the two ends into derivatives by that parameter.
-    pub scales: [f64; 2],
-}
-
-impl Segment {
-    /// The segment from `a` to `b`.
-    #[must_use]
-    pub fn between(a: &PathPoint, b: &PathPoint) -> Self {
-        if a.on_arc == b.on_arc {
-            return Self { scales: [b.drive - a.drive; 2] };
-        }
-        let chord: Vec<f64> = b.x.iter().zip(&a.x).map(|(b, a)| b - a).collect();
-        let square = bordered::dot(&chord, &chord);
-        Self { scales: [a, b].map(|point| square / bordered::dot(&point.rate, &chord)) }
-    }
-}
-
-/// A cubic over 0 to 1 by its ends and slopes there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cubic {
-    /// Values at 0 and 1.
-    pub ends: [f64; 2],
-    /// Derivatives at 0 and 1.
-    pub slopes: [f64; 2],
-}
-
-impl Cubic {
-    /// The value at `s`.
-    #[must_use]
-    pub fn at(&self, s: f64) -> f64 {
-        let [a, b] = self.ends;
-        let [da, db] = self.slopes;
-        let (s2, s3) = (s * s, s * s * s);
-        a + (b - a) * (3.0 * s2 - 2.0 * s3) + da * (s3 - 2.0 * s2 + s) + db * (s3 - s2)
-    }
-
-    /// The derivative at `s`.
-    #[must_use]
-    pub fn slope(&self, s: f64) -> f64 {
-        let [a, b] = self.ends;
-        let [da, db] = self.slopes;
-        6.0 * (b - a) * (s - s * s)
-            + da * (3.0 * s * s - 4.0 * s + 1.0)
-            + db * (3.0 * s * s - 2.0 * s)
-    }
 }

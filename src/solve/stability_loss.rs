@@ -1,7 +1,8 @@
 //! Where a path first loses its stability under a given load.
 
 use super::Ending;
-use super::path::{Cubic, Path, PathPoint, Segment};
+use super::hermite::{Cubic, Segment};
+use super::path::{Path, PathPoint};
 
 impl Path {
     /// The load at which the path first loses its stability under a given load: at a limit point or a bifurcation;
