@@ -91,7 +91,9 @@ pub struct SolveTimes {
     pub factorization: f64,
 }
 
-/// Finds equilibria of one [`System`] (one sparsity pattern).
+/// Finds equilibria of one [`System`], whose pattern may change ([`System::make_room`]).
+///
+/// The factorisation is planned for a pattern, and planned anew where the system's is another.
 pub trait EquilibriumSolver {
     /// Solves `R(x) = 0` from the guess in `x [n]`, which receives the last iterate.
     ///
