@@ -14,12 +14,12 @@ use super::wall_contact::{Frame, WallContact};
 use super::wall_surface::{Kind, WallSurface};
 use crate::math::Vec3;
 use crate::model::element::{ElementPoints, SampledSurface};
-use crate::model::local::Term;
 use crate::model::term_suite::{Case, term_suite};
 use crate::model::test_shells::{TestShell, difference};
 use crate::model::tie::Ties;
 
-const STEP: f64 = 1e-3;
+/// Of the differences, mm: edges that are nearly parallel cross within 0.06 mm, other closest points vary over 0.3 mm.
+const STEP: f64 = 2e-4;
 
 /// Four points of which the closest parts are as named, about 2 mm apart.
 fn features() -> Vec<(&'static str, Kind, [Vec3; 4])> {
@@ -62,7 +62,7 @@ fn derivatives(pair: &Pair, x: &[Vec3; 4]) -> PairDerivatives {
     pair.derivatives(x, true).unwrap().unwrap()
 }
 
-/// Every kind of closest points, by central differences of fourth order: their error is (step / gap)^4 = 1e-10 or less.
+/// Every kind of closest points, by central differences of fourth order: their error is (step / length)^4 = 1e-10 or less.
 #[test]
 fn derivatives_of_pairs_are_differences() {
     for (name, kind, x) in features() {
@@ -119,35 +119,33 @@ fn distances_are_least() {
     }
 }
 
-/// Distance, gradient and barrier do not jump where the closest features change, nor where edges become parallel.
+/// The gradient does not jump where the closest features change, nor where edges become parallel: on the way from one case
+/// to another, steps a quarter as long make its largest change less than half as large.
 #[test]
 fn gradients_are_continuous() {
-    let mut largest_jump = 0.0_f64;
-    for (_, kind, x) in features() {
-        let pair = pair(kind, &x);
-        for (i, (_, other_kind, goal)) in features().into_iter().enumerate() {
-            if other_kind != kind {
+    let features = features();
+    for (name, kind, x) in &features {
+        let pair = Pair::of_kind(*kind, 0.7, [0.2, 3.0], x);
+        for (other_name, other, goal) in &features {
+            let same = matches!(kind, Kind::Edges { .. }) == matches!(other, Kind::Edges { .. });
+            if !same || name == other_name {
                 continue;
             }
-            let at = |k: usize| {
-                let share = k as f64 / 4000.0;
-                let mut there = x;
-                there.iter_mut().zip(&goal).for_each(|(x, goal)| *x = x.lerp(goal, share));
-                let found = pair.derivatives(&there, false);
-                let gradient = |it: PairDerivatives| {
-                    SVector::<f64, 12>::from_fn(|i, _| it.gradient[i / 3][i % 3])
-                };
-                found.ok().map(|it| it.map_or(SVector::zeros(), gradient))
+            let gradient = |share: f64| {
+                let there = std::array::from_fn(|i| x[i].lerp(&goal[i], share));
+                let found = pair.derivatives(&there, false).unwrap().unwrap_or_default();
+                SVector::<f64, 12>::from_fn(|i, _| found.gradient[i / 3][i % 3])
             };
-            for k in 0..4000 {
-                let (Some(one), Some(next)) = (at(k), at(k + 1)) else { continue };
-                let jump = (one - next).norm() / (1.0 + one.norm());
-                largest_jump = largest_jump.max(jump);
-                assert!(jump < 0.1, "to {i}: {jump}");
-            }
+            let [coarse, fine] = [1000, 4000].map(|steps: usize| {
+                let changes = (0..steps).map(|k| {
+                    let [one, next] = [k, k + 1].map(|k| gradient(k as f64 / steps as f64));
+                    (one - next).norm()
+                });
+                changes.fold(0.0, f64::max)
+            });
+            assert!(fine < 0.5 * coarse, "{name} to {other_name}: {coarse} {fine}");
         }
     }
-    assert!(largest_jump > 0.0);
 }
 
 #[test]
@@ -173,7 +171,7 @@ fn barrier_starts_smoothly_and_its_derivatives_are_differences() {
 fn pressed_together(wall: &WallSurface, reference: &[Vec3], gap: f64) -> Vec<Vec3> {
     let pressed = |share: f64| -> Vec<Vec3> {
         let press = |x: &Vec3| {
-            let beside = (x.x * x.x + x.y * x.y) / 100.0;
+            let beside = ((x.x * x.x + x.y * x.y) / 100.0).powi(2);
             Vec3::new(x.x, x.y, x.z * (share + beside).min(1.0))
         };
         reference.iter().map(press).collect()
@@ -187,7 +185,7 @@ fn pressed_together(wall: &WallSurface, reference: &[Vec3], gap: f64) -> Vec<Vec
         });
         smallest
     };
-    let (mut closed, mut open) = (0.0, 1.0);
+    let (mut closed, mut open) = (-0.5, 1.0);
     for _ in 0..40 {
         let middle = f64::midpoint(closed, open);
         if smallest(&pressed(middle)) < gap { closed = middle } else { open = middle }
@@ -201,13 +199,13 @@ fn wall_of(shell: &TestShell) -> WallSurface {
 
 fn touching(shell: &TestShell) -> Case<PairTerm> {
     let wall = Arc::new(wall_of(shell));
-    let positions = pressed_together(&wall, &shell.reference, 0.08);
+    let positions = pressed_together(&wall, &shell.reference, 0.1);
     let settings = SelfContactSettings { activation: 0.2, stiffness: 3.0 };
     let ties = Ties::default();
     let frame = Frame { ties: &ties, reference: &shell.reference };
     let term = WallContact::new(wall, settings, frame).listed_near(&positions);
     let turn = UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9);
-    let motion = Isometry3::from_parts(Translation3::new(3.0, -5.0, 2.0), turn);
+    let motion = Isometry3::from_parts(Translation3::new(0.3, -0.5, 0.2), turn);
     Case { term, positions, motion }
 }
 
