@@ -20,6 +20,7 @@ use crate::fitness::LoadSettings;
 use crate::genome::Network;
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
+use crate::model::contact::SelfContactSettings;
 use crate::solve::{Backend, PathSettings, Programme, Supply};
 
 /// A scene file.
@@ -41,6 +42,9 @@ pub(super) struct SceneFile {
     pub load: LoadSection,
     #[serde(default = "default_solver")]
     pub solver: SolverSection,
+    /// Keeps the folds of the wall apart; without it they pass through each other unseen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_contact: Option<SelfContactSection>,
     /// Rigid planes; none is listed, none is computed.
     #[serde(default, rename = "plane", skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
@@ -158,6 +162,23 @@ fn standard_atmosphere() -> f64 {
     0.101_325
 }
 
+/// Contact of the wall with itself.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct SelfContactSection {
+    /// Gap at which folds begin to push each other, in thicknesses.
+    pub activation: f64,
+    /// About how hard they press, MPa; by default the largest pressure, or a hundredth of the shear modulus where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<f64>,
+}
+
+impl Default for SelfContactSection {
+    fn default() -> Self {
+        Self { activation: 0.2, pressure: None }
+    }
+}
+
 /// A rigid plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -213,7 +234,26 @@ impl SceneFile {
             check_normal("[[plane]] normal", plane.normal)?;
             check_distance("[[plane]] distance", plane.distance, &self.wall)?;
         }
+        if let Some(section) = &self.self_contact {
+            within("[self_contact] activation", section.activation, 0.01, 0.25)?;
+            if let Some(pressure) = section.pressure {
+                positive("[self_contact] pressure", pressure)?;
+            }
+        }
         self.check_conditions()
+    }
+
+    /// The barrier between folds of the wall, if they are kept apart.
+    pub(super) fn self_contact(&self) -> anyhow::Result<Option<SelfContactSettings>> {
+        let Some(section) = self.self_contact else { return Ok(None) };
+        let of_load = || match (&self.part.patch, self.load.pressure) {
+            (Some(_), None) => Ok(SHARE_OF_STIFFNESS * self.material.material()?.shear_modulus()),
+            (Some(_), Some(pressure)) => Ok(pressure.abs()),
+            (None, _) => Ok(self.load_settings().pressure),
+        };
+        let pressure = section.pressure.map_or_else(of_load, anyhow::Ok)?;
+        let activation = section.activation * self.wall.thickness;
+        Ok(Some(SelfContactSettings::beginning_at(activation, pressure)))
     }
 
     /// Checks that supports, loads and watches fit the part.
@@ -396,8 +436,16 @@ impl SceneFile {
 /// 6 make some 80 000 triangles.
 const MOST_SUBDIVISIONS: usize = 6;
 
+/// Pressure between folds that no pressure presses together, as a share of the shear modulus.
+const SHARE_OF_STIFFNESS: f64 = 0.01;
+
 /// A list has no default to print.
 const LIST_EXAMPLES: &str = "
+# Folds of the wall keep each other off, instead of passing through each other.
+# [self_contact]
+# activation = 0.2  # gap at which they begin to push, in thicknesses
+# pressure = 0.2  # about how hard they press, MPa; the largest pressure where it is left out
+
 # A rigid plane on the -x side; as many as needed.
 # [[plane]]
 # normal = [1.0, 0.0, 0.0]
@@ -437,6 +485,7 @@ pub(super) fn defaults() -> String {
             ..LoadSection::default()
         },
         solver: default_solver(),
+        self_contact: None,
         planes: Vec::new(),
         edges: Vec::new(),
         pins: Vec::new(),

@@ -39,6 +39,15 @@ impl Shape {
     /// # Errors
     /// When the surface or what holds it does not make a shell.
     pub(super) fn new(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
+        let mut shape = Self::unfolded(scene, source)?;
+        if let Some(settings) = scene.self_contact()? {
+            shape.model.keep_folds_apart(settings);
+        }
+        Ok(shape)
+    }
+
+    /// The part without contact of its folds.
+    fn unfolded(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
         if let PartSource::Patch(section) = source {
             return of_patch(scene, section);
         }

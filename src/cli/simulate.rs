@@ -76,6 +76,9 @@ pub(super) fn run(
     instability(&material).iter().for_each(|line| warn(line));
     let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &planes)
         .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
+    if let Some(settings) = scene.self_contact()? {
+        model.keep_folds_apart(settings);
+    }
     let folder = OutputFolder::create_new(out)?;
     let (walked, times) = walk(&scene, &mut model)
         .with_context(|| path.display().to_string())

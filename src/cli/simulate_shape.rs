@@ -26,6 +26,11 @@ struct Row {
     stored_energy: f64,
     /// mm.
     max_displacement: f64,
+    /// With self-contact: the smallest gap between faces, mm (`inf` above half a thickness), and their force, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wall_gap: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    self_contact_force: Option<f64>,
     newton_iterations: usize,
     /// Steps given up since the row before.
     step_cuts: usize,
@@ -72,6 +77,7 @@ pub(super) fn run(
         let sizes = shape.model.vertex_displacements(x).into_iter().map(|u| u.norm());
         sizes.fold(0.0, f64::max)
     };
+    let has_contact = shape.model.keeps_folds_apart();
     let rows: Vec<Row> = walked
         .points
         .iter()
@@ -82,6 +88,8 @@ pub(super) fn run(
             work: point.work,
             stored_energy: point.stored_energy,
             max_displacement: largest_of(&point.x),
+            wall_gap: has_contact.then(|| shape.model.smallest_wall_gap(&point.x)),
+            self_contact_force: has_contact.then(|| shape.model.self_contact_force(&point.x)),
             newton_iterations: point.newton_iterations,
             step_cuts: point.cuts,
             stability: stability(point),

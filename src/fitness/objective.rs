@@ -59,6 +59,8 @@ mod tests {
             tangent_angle_deg: 2.0 * angle_deg,
             max_displacement: 0.0,
             plane_force,
+            wall_gap: None,
+            self_contact_force: None,
             newton_iterations: 0,
             step_cuts: 0,
             stability: "stable",

@@ -43,6 +43,12 @@ pub struct Observation {
     pub max_displacement: f64,
     /// Force on the planes, N.
     pub plane_force: f64,
+    /// With self-contact: the smallest gap between faces of the wall, mm; infinite above half a thickness.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_gap: Option<f64>,
+    /// With self-contact: the force of the wall on itself, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub self_contact_force: Option<f64>,
     /// Newton iterations since the row before.
     pub newton_iterations: usize,
     /// Steps given up since the row before.
@@ -73,6 +79,7 @@ pub fn observations(
     let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
     let (mut chord, mut tangent) = (Turning::default(), Turning::default());
     let axis = tip_normal.normalize();
+    let has_contact = model.keeps_folds_apart();
     let observe = |(step, point): (usize, &PathPoint)| {
         let displacements = model.vertex_displacements(&point.x);
         let sum: Vec3 = mesh.tip.iter().map(|&v| displacements[v as usize]).sum();
@@ -95,6 +102,8 @@ pub fn observations(
             tangent_angle_deg: tangent.angle(normal - axis * along, along).to_degrees(),
             max_displacement: displacements.iter().map(|u| u.norm()).fold(0.0, f64::max),
             plane_force: model.plane_force(&point.x),
+            wall_gap: has_contact.then(|| model.smallest_wall_gap(&point.x)),
+            self_contact_force: has_contact.then(|| model.self_contact_force(&point.x)),
             newton_iterations: point.newton_iterations,
             step_cuts: point.cuts,
             stability: stability(point),

@@ -57,8 +57,16 @@ impl Assembler {
     /// The union of the stencils of all terms over `nodes` nodes.
     #[must_use]
     pub fn new(nodes: usize, terms: &[&dyn Term]) -> Self {
+        Self::of_stencils(nodes, terms.iter().flat_map(|term| term.stencils()))
+    }
+
+    /// The union of `stencils` (each ascending) over `nodes` nodes.
+    pub(super) fn of_stencils<'a>(
+        nodes: usize,
+        stencils: impl Iterator<Item = &'a Vec<u32>>,
+    ) -> Self {
         let mut columns: Vec<Vec<u32>> = (0..nodes as u32).map(|v| vec![v]).collect();
-        for stencil in terms.iter().flat_map(|term| term.stencils()) {
+        for stencil in stencils {
             for (j, &column) in stencil.iter().enumerate() {
                 columns[column as usize].extend_from_slice(&stencil[j..]);
             }
@@ -119,6 +127,8 @@ impl Assembler {
 
     /// Adds the gradient of `term` to `residual`, and its Hessian to `tangent` where given; returns its energy.
     ///
+    /// A gradient alone needs no slots.
+    ///
     /// # Errors
     /// [`Inadmissible`] where a stencil's energy is not defined.
     pub fn add(
@@ -134,7 +144,7 @@ impl Assembler {
             let chunk = Chunk {
                 starts: &assembler.pattern.column_starts,
                 stencils: &term.stencils()[first..],
-                slots: &slots.0[first..],
+                slots: slots.0.get(first..).unwrap_or_default(),
                 evaluations,
             };
             let target =
@@ -240,10 +250,9 @@ impl Chunk<'_> {
     }
 
     fn add_to(self, mut target: Target<'_>) {
-        for (evaluation, (stencil, slots)) in
-            self.evaluations.iter().zip(self.stencils.iter().zip(self.slots))
-        {
+        for (k, (evaluation, stencil)) in self.evaluations.iter().zip(self.stencils).enumerate() {
             if evaluation.energy.is_some() {
+                let slots = self.slots.get(k).map_or(&[][..], Vec::as_slice);
                 target.add(&evaluation.local, stencil, slots, self.starts);
             }
         }

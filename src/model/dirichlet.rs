@@ -38,6 +38,12 @@ impl Dirichlet {
         dirichlet
     }
 
+    /// Holds the same unknowns of a system with another `pattern`.
+    #[must_use]
+    pub fn with_pattern(&self, pattern: &SparsityPattern) -> Self {
+        Self::new(pattern, self.held.clone())
+    }
+
     /// How many unknowns are held.
     #[must_use]
     pub fn held(&self) -> usize {

@@ -13,6 +13,7 @@ pub mod load;
 pub mod local;
 pub mod material;
 mod patch_model;
+mod shell_folds;
 mod shell_model;
 mod stretch_bound;
 pub mod system;

@@ -7,10 +7,11 @@
 //! What a scene does not list is not assembled: without planes there is no contact term at all.
 
 use super::assembly::{Assembler, Slots};
+use super::contact::self_contact::Folds;
 use super::contact::{PlaneContact, PlaneSettings};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::element::{Sample, SampledSurface};
+use super::element::SampledSurface;
 use super::load::{ChamberPressure, EdgeMoment};
 use super::local::Term;
 use super::material::Material;
@@ -24,8 +25,8 @@ use crate::mesh::ShellMesh;
 #[derive(Clone, Debug)]
 pub struct ShellModel {
     /// Nodes at rest, mm.
-    reference: Vec<Vec3>,
-    ties: Ties,
+    pub(super) reference: Vec<Vec3>,
+    pub(super) ties: Ties,
     wall: Tied<Wall>,
     chamber: Option<Tied<ChamberPressure>>,
     /// Pressure at a load of 1, MPa.
@@ -36,13 +37,16 @@ pub struct ShellModel {
     load: f64,
     planes: Vec<(PlaneContact, Slots)>,
     planes_lifted: bool,
+    pub(super) folds: Folds,
+    /// None where they are to be found anew.
+    pub(super) fold_slots: Option<Slots>,
     wall_slots: Slots,
     chamber_slots: Slots,
     assembler: Assembler,
     dirichlet: Dirichlet,
     pub(super) force_scale: f64,
     energy_rounding: f64,
-    surface: SampledSurface,
+    pub(super) surface: SampledSurface,
     stretch_bound: StretchBound,
 }
 
@@ -84,6 +88,7 @@ impl ShellModel {
         let chamber = ChamberPressure::new(&parts.points);
         let mut model = Self::assembled(parts, Some(chamber), None, held, material);
         model.pressure = 1.0;
+        model.watch_folds(true);
         let slots = planes.into_iter().map(|plane| {
             let slots = model.assembler.slots(&plane);
             (plane, slots)
@@ -127,6 +132,8 @@ impl ShellModel {
             load: 0.0,
             planes: Vec::new(),
             planes_lifted: false,
+            folds: Folds::new(parts.points, parts.thickness),
+            fold_slots: None,
             dirichlet: Dirichlet::new(assembler.pattern(), held),
             force_scale: material.shear_modulus() * parts.thickness * element_size,
             // Invariants of an undeformed wall carry a rounding of 1e-16 each, of either sign.
@@ -210,7 +217,7 @@ impl ShellModel {
     }
 
     /// Positions of all nodes, mm.
-    fn displaced(&self, u: &[f64]) -> Vec<Vec3> {
+    pub(super) fn displaced(&self, u: &[f64]) -> Vec<Vec3> {
         let mut x: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
         assert_eq!(x.len(), self.reference.len());
         self.ties.displace(&mut x);
@@ -222,6 +229,25 @@ impl ShellModel {
     fn untied(&self, u: &[f64]) -> Vec<Vec3> {
         assert_eq!(u.len(), self.unknowns());
         self.reference.iter().zip(u.as_chunks().0).map(|(x, &u)| x + Vec3::from(u)).collect()
+    }
+
+    /// Plans the tangent anew, with `room` (stencils) besides what the wall's elements couple.
+    pub(super) fn plan(&mut self, room: &[Vec<u32>]) {
+        let stencils = self.wall.stencils().iter().chain(room);
+        self.assembler = Assembler::of_stencils(self.reference.len(), stencils);
+        let assembler = &self.assembler;
+        self.wall_slots = assembler.slots(&self.wall);
+        if let Some(chamber) = &self.chamber {
+            self.chamber_slots = assembler.slots(chamber);
+        }
+        if let Some((moments, slots)) = &mut self.moments {
+            *slots = assembler.slots(moments);
+        }
+        for (plane, slots) in &mut self.planes {
+            *slots = assembler.slots(plane);
+        }
+        self.fold_slots = None;
+        self.dirichlet = self.dirichlet.with_pattern(self.assembler.pattern());
     }
 
     /// The work of the dead forces at a load of 1, mJ.
@@ -236,6 +262,12 @@ impl ShellModel {
         mut tangent: Option<&mut [f64]>,
     ) -> Result<f64, Inadmissible> {
         let positions = self.untied(u);
+        self.list_folds(u);
+        if let (Some(contact), None, true) =
+            (&self.folds.contact, &self.fold_slots, tangent.is_some())
+        {
+            self.fold_slots = Some(self.assembler.slots(contact.term()));
+        }
         residual.fill(0.0);
         if let Some(tangent) = tangent.as_deref_mut() {
             tangent.fill(0.0);
@@ -261,6 +293,10 @@ impl ShellModel {
             for (plane, slots) in &self.planes {
                 energy += add(plane, slots)?;
             }
+        }
+        if let Some(contact) = &self.folds.contact {
+            let none = Slots::default();
+            energy += add(contact.term(), self.fold_slots.as_ref().unwrap_or(&none))?;
         }
         self.dirichlet.apply_to_residual(residual);
         if let Some(tangent) = tangent {
@@ -290,6 +326,10 @@ impl System for ShellModel {
                 energy += self.assembler.energy(plane, &positions)?;
             }
         }
+        self.list_folds(u);
+        if let Some(contact) = &self.folds.contact {
+            energy += self.assembler.energy(contact.term(), &positions)?;
+        }
         Ok(energy)
     }
 
@@ -307,12 +347,13 @@ impl System for ShellModel {
     }
 
     fn longest_step(&self, u: &[f64], du: &[f64]) -> f64 {
+        let of_folds = self.longest_step_of_folds(u, du);
         if self.planes.is_empty() || self.planes_lifted {
-            return 1.0;
+            return of_folds;
         }
         let positions = self.displaced(u);
         let du: Vec<Vec3> = du.as_chunks().0.iter().map(|&du: &[f64; 3]| du.into()).collect();
-        self.planes.iter().map(|(p, _)| p.longest_step(&positions, &du)).fold(1.0, f64::min)
+        self.planes.iter().map(|(p, _)| p.longest_step(&positions, &du)).fold(of_folds, f64::min)
     }
 
     fn force_scale(&self) -> f64 {
@@ -321,6 +362,10 @@ impl System for ShellModel {
 
     fn energy_rounding(&self) -> f64 {
         self.energy_rounding
+    }
+
+    fn make_room(&mut self, u: &[f64]) -> bool {
+        self.make_room_for_folds(u)
     }
 }
 
@@ -375,14 +420,11 @@ impl LoadedSystem for ShellModel {
     }
 
     fn passed_limit(&self, u: &[f64]) -> Option<Limit> {
-        let at = |sample: u32| {
-            let Sample { nodes, weights } = &self.surface.samples[sample as usize];
-            let heaviest = (0..nodes.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-            3 * nodes[heaviest.expect("a sample has nodes")] as usize
-        };
         let samples = self.surface.at(&self.displaced(u));
-        let stretched = self.stretch_bound.passed(&samples);
-        stretched.map(|sample| Limit { kind: LimitKind::Ballooning, unknown: at(sample) })
+        let at = |sample| self.surface.samples[sample as usize].heaviest();
+        let stretched = self.stretch_bound.passed(&samples).map(at);
+        let ballooning = |node| Limit { kind: LimitKind::Ballooning, unknown: 3 * node as usize };
+        stretched.map(ballooning).or_else(|| self.self_touch(u))
     }
 }
 

@@ -48,7 +48,7 @@ impl SparsityPattern {
 
 /// A potential energy over `n` unknowns, with derivatives.
 pub trait System {
-    /// The stored entries of the tangent; fixed for the life of the system.
+    /// The stored entries of the tangent; they change only in [`Self::make_room`].
     fn pattern(&self) -> &SparsityPattern;
 
     /// The energy at `x [n]`, mJ.

@@ -95,7 +95,7 @@ pub(super) fn solve(
             && surplus > cured
         {
             report.shifted += 1;
-            if settings.stops_when_indefinite {
+            if report.shifted > settings.most_shifted {
                 report.ending = NewtonEnding::Indefinite;
                 return Ok(report);
             }

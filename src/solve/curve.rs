@@ -39,7 +39,7 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
         let start = State { x: last.x.clone(), load: from };
         let mut guess = best_prediction(walk.system, start, steps);
         guess.load = load;
-        match walk.equilibrium(load, guess, true)? {
+        match walk.equilibrium(load, guess, 0)? {
             Ok(mut point) => {
                 point.is_sample = true;
                 let easy = walk.iterations <= 5;

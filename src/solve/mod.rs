@@ -49,14 +49,14 @@ pub struct NewtonSettings {
     pub tolerance: f64,
     /// Given up after this many iterations.
     pub max_iterations: usize,
-    /// Given up at the first indefinite tangent, instead of shifting it.
+    /// Given up when more tangents than this were indefinite.
     #[serde(skip)]
-    pub stops_when_indefinite: bool,
+    pub most_shifted: usize,
 }
 
 impl Default for NewtonSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_iterations: 25, stops_when_indefinite: false }
+        Self { tolerance: 1e-9, max_iterations: 25, most_shifted: usize::MAX }
     }
 }
 
@@ -74,7 +74,7 @@ pub enum NewtonEnding {
     Inadmissible,
     /// The tangent could not be made positive definite by a shift.
     Singular,
-    /// The tangent was indefinite, and a shift was not wanted.
+    /// More tangents were indefinite than may be.
     Indefinite,
 }
 
@@ -110,7 +110,9 @@ pub struct SolveTimes {
     pub factorization: f64,
 }
 
-/// Finds equilibria of one [`System`] (one sparsity pattern).
+/// Finds equilibria of one [`System`], whose pattern may change ([`System::make_room`]).
+///
+/// The factorisation is planned for a pattern, and planned anew where the system's is another.
 pub trait EquilibriumSolver {
     /// Solves `R(x) = 0` from the guess in `x [n]`, which receives the last iterate.
     ///

@@ -49,16 +49,8 @@ impl NativeSolver {
     pub fn new(pattern: &SparsityPattern) -> Result<Self, SolverFailure> {
         let start = cpu_seconds();
         let n = pattern.order();
-        let lower = |column: usize| {
-            let stored =
-                pattern.column_starts[column] as usize..pattern.column_starts[column + 1] as usize;
-            let rows = &pattern.row_indices[stored.clone()];
-            assert!(rows.is_sorted_by(|one, next| one < next), "column {column} is not sorted");
-            let diagonal = rows.binary_search(&(column as u32)).expect("the diagonal is stored");
-            stored.start + diagonal..stored.end
-        };
         Ok(Self {
-            lower: (0..n).map(lower).collect(),
+            lower: lower_columns(pattern),
             factor: LdlFactor::new(pattern)?,
             entries: vec![0.0; pattern.stored()],
             diagonal: vec![0.0; n],
@@ -78,31 +70,32 @@ impl NativeSolver {
         x: &mut [f64],
         settings: &NewtonSettings,
         report: &mut NewtonReport,
-    ) -> NewtonEnding {
+    ) -> Result<NewtonEnding, SolverFailure> {
         let threshold = settings.tolerance * system.force_scale();
         let stable = system.stable_negative_pivots();
-        let Some(mut energy) = self.assemble(system, x) else {
-            return NewtonEnding::Inadmissible;
+        let Some(mut energy) = self.assemble(system, x)? else {
+            return Ok(NewtonEnding::Inadmissible);
         };
         mem::swap(&mut self.residual, &mut self.trial_residual);
         loop {
             report.residual_norm = dot(&self.residual, &self.residual).sqrt();
             if report.residual_norm <= threshold {
                 self.solution = Some(x.to_vec());
-                return NewtonEnding::Converged;
+                return Ok(NewtonEnding::Converged);
             }
             if report.iterations == settings.max_iterations {
-                return NewtonEnding::IterationLimit;
+                return Ok(NewtonEnding::IterationLimit);
             }
             report.iterations += 1;
-            let shift = self.find_direction(stable, settings.stops_when_indefinite);
+            let unshifted = report.shifted == settings.most_shifted;
+            let shift = self.find_direction(stable, unshifted);
             report.shifted += usize::from(shift != Some(0.0));
             if shift.is_none() {
-                return if settings.stops_when_indefinite {
+                return Ok(if unshifted {
                     NewtonEnding::Indefinite
                 } else {
                     NewtonEnding::Singular
-                };
+                });
             }
 
             let slope = dot(&self.residual, &self.direction);
@@ -110,17 +103,17 @@ impl NativeSolver {
             let step =
                 line_search::search(system, x, &self.direction, energy, slope, &mut self.trial);
             if step.is_none() {
-                return if system.met_only_inadmissible() {
+                return Ok(if system.met_only_inadmissible() {
                     NewtonEnding::Inadmissible
                 } else {
                     NewtonEnding::LineSearchFailed
-                };
+                });
             }
             let trial = mem::take(&mut self.trial);
             let assembled = self.assemble(system, &trial);
             self.trial = trial;
-            let Some(trial_energy) = assembled else {
-                return NewtonEnding::Inadmissible;
+            let Some(trial_energy) = assembled? else {
+                return Ok(NewtonEnding::Inadmissible);
             };
             energy = trial_energy;
             x.copy_from_slice(&self.trial);
@@ -131,9 +124,35 @@ impl NativeSolver {
     /// Puts the tangent at `x` into `entries` and the residual into `trial_residual`; the energy, where all are finite.
     ///
     /// One evaluation serves the convergence check, the next step, and [`EquilibriumSolver::linearize`].
-    fn assemble(&mut self, system: &mut Observed<'_>, x: &[f64]) -> Option<f64> {
-        let energy = system.tangent(x, &mut self.trial_residual, &mut self.entries).ok()?;
-        (all_finite(&self.trial_residual) && self.tangent_is_finite()).then_some(energy)
+    fn assemble(
+        &mut self,
+        system: &mut Observed<'_>,
+        x: &[f64],
+    ) -> Result<Option<f64>, SolverFailure> {
+        if system.make_room(x) {
+            self.plan(system.pattern())?;
+        }
+        let Ok(energy) = system.tangent(x, &mut self.trial_residual, &mut self.entries) else {
+            return Ok(None);
+        };
+        Ok((all_finite(&self.trial_residual) && self.tangent_is_finite()).then_some(energy))
+    }
+
+    /// Plans the factorisation for another `pattern`.
+    fn plan(&mut self, pattern: &SparsityPattern) -> Result<(), SolverFailure> {
+        let start = cpu_seconds();
+        self.lower = lower_columns(pattern);
+        self.factor = LdlFactor::new(pattern)?;
+        self.entries = vec![0.0; pattern.stored()];
+        self.times.factorization += cpu_seconds() - start;
+        Ok(())
+    }
+
+    /// Plans anew where the system's pattern is not the one that was planned for.
+    fn follow_pattern(&mut self, pattern: &SparsityPattern) -> Result<(), SolverFailure> {
+        let order = self.factor.pattern().order();
+        assert!(order == pattern.order(), "the system's order is not the solver's");
+        if self.factor.pattern() == pattern { Ok(()) } else { self.plan(pattern) }
     }
 
     /// Solves for the direction with the smallest shift, or `unshifted`, that leaves at most `stable` negative pivots;
@@ -169,22 +188,18 @@ impl NativeSolver {
     fn tangent_is_finite(&self) -> bool {
         self.lower.iter().all(|column| all_finite(&self.entries[column.clone()]))
     }
-
-    fn check_pattern(&self, pattern: &SparsityPattern) {
-        assert!(self.factor.pattern() == pattern, "the system's pattern is not the solver's");
-    }
 }
 
 impl EquilibriumSolver for NativeSolver {
     /// # Panics
-    /// When the system's pattern is not the solver's.
+    /// When the system's order is not the solver's.
     fn solve(
         &mut self,
         system: &mut dyn System,
         x: &mut [f64],
         settings: &NewtonSettings,
     ) -> Result<NewtonReport, SolverFailure> {
-        self.check_pattern(system.pattern());
+        self.follow_pattern(system.pattern())?;
         self.linearized = false;
         self.solution = None;
         let mut system = Observed::new(system);
@@ -194,15 +209,21 @@ impl EquilibriumSolver for NativeSolver {
             residual_norm: f64::INFINITY,
             shifted: 0,
         };
-        report.ending = self.iterate(&mut system, x, settings, &mut report);
+        let ending = self.iterate(&mut system, x, settings, &mut report);
         self.times.assembly += system.seconds();
+        report.ending = ending?;
         Ok(report)
     }
 
     fn linearize(&mut self, system: &mut dyn System, x: &[f64]) -> Result<usize, SolverFailure> {
-        self.check_pattern(system.pattern());
+        let mut is_made = self.solution.take().is_some_and(|solution| solution == x);
+        is_made &= self.factor.pattern() == system.pattern();
+        if !is_made {
+            system.make_room(x);
+            self.follow_pattern(system.pattern())?;
+        }
         let start = cpu_seconds();
-        if self.solution.take().is_none_or(|solution| solution != x) {
+        if !is_made {
             system
                 .tangent(x, &mut self.trial_residual, &mut self.entries)
                 .expect("linearize is called at an admissible state");
@@ -230,6 +251,19 @@ impl EquilibriumSolver for NativeSolver {
     fn times(&self) -> SolveTimes {
         self.times
     }
+}
+
+/// Of each column, the stored entries that are read: the diagonal, then what is below it.
+fn lower_columns(pattern: &SparsityPattern) -> Vec<Range<usize>> {
+    let lower = |column: usize| {
+        let stored =
+            pattern.column_starts[column] as usize..pattern.column_starts[column + 1] as usize;
+        let rows = &pattern.row_indices[stored.clone()];
+        assert!(rows.is_sorted_by(|one, next| one < next), "column {column} is not sorted");
+        let diagonal = rows.binary_search(&(column as u32)).expect("the diagonal is stored");
+        stored.start + diagonal..stored.end
+    };
+    (0..pattern.order()).map(lower).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -78,6 +78,10 @@ impl System for Observed<'_> {
         self.system.energy_rounding()
     }
 
+    fn make_room(&mut self, x: &[f64]) -> bool {
+        self.timed(|system| system.make_room(x))
+    }
+
     fn stable_negative_pivots(&self) -> usize {
         self.system.stable_negative_pivots()
     }

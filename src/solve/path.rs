@@ -273,7 +273,7 @@ impl Walk<'_> {
         self.system.set_load(0.0);
         let drive = self.supply.at_rest(self.system.conjugate(&x));
         let supply = std::mem::replace(&mut self.supply, Supply::Load);
-        let found = self.equilibrium(0.0, State { x, load: 0.0 }, true)?;
+        let found = self.equilibrium(0.0, State { x, load: 0.0 }, usize::MAX)?;
         self.supply = supply;
         Ok(found.map(|mut point| {
             if supply != Supply::Load {
@@ -315,7 +315,8 @@ impl Walk<'_> {
             let may_halve = halved / smallest >= 1.0 - 1e-9;
             let guess = self.prediction(drive);
             let predicted = guess.clone();
-            let tried = self.equilibrium(drive, guess, true)?;
+            let tried =
+                self.equilibrium(drive, guess, if may_halve { PATIENCE } else { usize::MAX })?;
             match tried {
                 Ok(mut point) if self.resolves(&point) => {
                     self.step = step * self.growth(&point, &predicted);
@@ -410,16 +411,16 @@ impl Walk<'_> {
         (work - stored).abs() <= self.settings.work_tolerance * scale
     }
 
-    /// The stable equilibrium near `guess` at `drive`; `stops` says whether an indefinite tangent ends the search.
+    /// The stable equilibrium near `guess` at `drive`, over `most_shifted` indefinite tangents at most.
     pub(super) fn equilibrium(
         &mut self,
         drive: f64,
         guess: State,
-        stops: bool,
+        most_shifted: usize,
     ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
         let mut state = guess;
         for _ in 0..REFRESHES {
-            let newton = NewtonSettings { stops_when_indefinite: stops, ..self.settings.newton };
+            let newton = NewtonSettings { most_shifted, ..self.settings.newton };
             let report = self.solve(drive, &mut state, &newton)?;
             if self.spent > self.settings.iteration_budget {
                 return Ok(Err(Ending::BudgetSpent.into()));
@@ -565,6 +566,9 @@ pub(super) fn best_prediction(
     best
 }
 
+/// Indefinite tangents on the way to an equilibrium after which a smaller step is tried: barriers that fold about each other
+/// have some, though nothing is lost where the step ends.
+const PATIENCE: usize = 6;
 /// Newton iterations at which a step is as long as it should be.
 const EASY_ITERATIONS: f64 = 6.0;
 /// The error of a prediction, as a share of the step, at which it is as long as it should be.

@@ -101,7 +101,11 @@ impl Walk<'_> {
             // Slowing down: an equilibrium may be near. Where nothing moves any more there is one, though it may be a saddle.
             let rests = report.iterations == 0;
             if rests || moved < moved_before {
-                let missed = match self.equilibrium(drive, state.clone(), !rests)? {
+                let missed = match self.equilibrium(
+                    drive,
+                    state.clone(),
+                    if rests { usize::MAX } else { 0 },
+                )? {
                     Ok(point) => return Ok(Ok(point)),
                     Err(missed) => missed,
                 };
@@ -128,7 +132,7 @@ impl Walk<'_> {
         let newton = NewtonSettings {
             tolerance: LOOSE * self.settings.newton.tolerance,
             max_iterations: FEW_ITERATIONS,
-            stops_when_indefinite: true,
+            most_shifted: 0,
         };
         let mut damped = Damped { anchor: state.x.clone(), damping, system: &mut *self.system };
         let mut walk =

@@ -4,7 +4,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::test_systems::{Chain, Changed, Constrained, Term, nothing};
+use super::test_systems::{Chain, Changed, Constrained, Hooked, Term, nothing};
 use super::{EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings};
 use crate::model::system::{Inadmissible, SparsityPattern, System};
 
@@ -29,7 +29,9 @@ macro_rules! solver_suite {
             singular_tangent_is_not_stable
             linearized_solves_reproduce_the_load
             linearized_solve_wants_a_tangent
-            another_pattern_is_refused
+            another_order_is_refused
+            another_pattern_is_planned_for
+            pattern_that_grows_on_the_way_is_followed
             one_solver_serves_many_solves_and_failures
             two_solvers_live_side_by_side
             threads_agree_to_the_bit
@@ -313,18 +315,71 @@ pub(super) fn linearized_solve_wants_a_tangent<S: EquilibriumSolver>(
     assert_panics(|| solver.solve_linearized(&mut [1.0; 3]).unwrap(), "without linearize");
 }
 
-pub(super) fn another_pattern_is_refused<S: EquilibriumSolver>(
+pub(super) fn another_order_is_refused<S: EquilibriumSolver>(make: impl Fn(&SparsityPattern) -> S) {
+    let mut solver = make(Chain::hardening(3, 2.0).pattern());
+    let mut chain = Chain::hardening(2, 2.0);
+    let settings = NewtonSettings::default();
+    assert_panics(
+        || solver.solve(&mut chain, &mut [0.0; 2], &settings).map(drop).unwrap(),
+        "order",
+    );
+    assert_panics(|| solver.linearize(&mut chain, &[0.0; 2]).map(drop).unwrap(), "order");
+}
+
+pub(super) fn another_pattern_is_planned_for<S: EquilibriumSolver>(
     make: impl Fn(&SparsityPattern) -> S,
 ) {
     let mut chain = Chain::hardening(2, 2.0);
     let diagonal = SparsityPattern { column_starts: vec![0, 1, 2], row_indices: vec![0, 1] };
     let mut solver = make(&diagonal);
+    assert_eq!(solver.linearize(&mut chain, &[0.0; 2]).unwrap(), 0);
+    let mut solver = make(&diagonal);
+    let mut x = [0.0; 2];
+    let report = solver.solve(&mut chain, &mut x, &NewtonSettings::default()).unwrap();
+    assert_eq!(report.ending, NewtonEnding::Converged);
+    // The load 1 + 1^3 stretches each by 1; |R| <= 1e-9.
+    assert_close(&x, |index| (index + 1) as f64, 1e-8);
+}
+
+/// One solve: the hook catches in its midst, where the pattern has no room for it yet.
+pub(super) fn pattern_that_grows_on_the_way_is_followed<S: EquilibriumSolver>(
+    make: impl Fn(&SparsityPattern) -> S,
+) {
+    let order = 9;
+    let mut system = Hooked::new(order, 2.0, 3.0, 4.0);
+    let mut solver = make(system.pattern());
     let settings = NewtonSettings::default();
-    assert_panics(
-        || solver.solve(&mut chain, &mut [0.0; 2], &settings).map(drop).unwrap(),
-        "pattern",
-    );
-    assert_panics(|| solver.linearize(&mut chain, &[0.0; 2]).map(drop).unwrap(), "pattern");
+    let mut x = vec![0.0; order];
+    let report = solver.solve(&mut system, &mut x, &settings).unwrap();
+    assert_eq!(report.ending, NewtonEnding::Converged);
+    assert!(system.room.is_some() && report.iterations > 2, "{report:?}");
+    // The first spring carries the load 2; the others and the hook share it.
+    let stretch = (x[order - 1] - x[0]) / (order - 1) as f64;
+    let hook = 1.5 * (x[order - 1] - x[0] - 4.0).powi(2);
+    // |R| <= 1e-9, and the softest mode has a stiffness of 0.01.
+    assert!(hook > 0.5 && (stretch + stretch.powi(3) + hook - 2.0).abs() < 1e-7, "{hook}");
+    assert_close(&x, |index| 1.0 + index as f64 * stretch, 1e-7);
+
+    assert_eq!(solver.linearize(&mut system, &x).unwrap(), 0);
+    let mut y: Vec<f64> = (0..order).map(|index| f64::sin(index as f64)).collect();
+    let load = y.clone();
+    solver.solve_linearized(&mut y).unwrap();
+    // A step along y changes the residual by its load, to first order.
+    let (mut before, mut after) = (vec![0.0; order], vec![0.0; order]);
+    let step = 1e-6;
+    let moved =
+        |sign: f64| -> Vec<f64> { x.iter().zip(&y).map(|(x, y)| x + sign * step * y).collect() };
+    system.residual(&moved(-1.0), &mut before).unwrap();
+    system.residual(&moved(1.0), &mut after).unwrap();
+    // Rounding over the step, and the step squared.
+    assert_close(&after, |i| before[i] + 2.0 * step * load[i], 1e-13);
+
+    // A solver that was planned before the pattern grew finds the same; nothing changes any more.
+    let mut other = make(Chain::hardening(order, 2.0).pattern());
+    let mut again = vec![0.0; order];
+    let report = other.solve(&mut system, &mut again, &settings).unwrap();
+    assert_eq!(report.ending, NewtonEnding::Converged);
+    assert_close(&again, |index| x[index], 1e-7);
 }
 
 pub(super) fn one_solver_serves_many_solves_and_failures<S: EquilibriumSolver>(

@@ -239,3 +239,83 @@ impl System for Constrained {
         1
     }
 }
+
+/// A hardening chain of which the last unknown is hooked to the first once they are a gap apart.
+///
+/// ```text
+/// E = chain + stiffness / 6 max(0, x_last - x_first - gap)^3
+/// ```
+///
+/// The pattern has room for the hook only after it was asked to make it.
+pub(super) struct Hooked {
+    pub(super) chain: Chain,
+    pub(super) stiffness: f64,
+    pub(super) gap: f64,
+    pattern: SparsityPattern,
+    /// Where the hook's entry stands, once it has room.
+    pub(super) room: Option<usize>,
+}
+
+impl Hooked {
+    pub(super) fn new(order: usize, load: f64, stiffness: f64, gap: f64) -> Self {
+        let chain = Chain::hardening(order, load);
+        let pattern = chain.pattern.clone();
+        Self { chain, stiffness, gap, pattern, room: None }
+    }
+
+    fn opening(&self, x: &[f64]) -> f64 {
+        (x[x.len() - 1] - x[0] - self.gap).max(0.0)
+    }
+}
+
+impl System for Hooked {
+    fn pattern(&self) -> &SparsityPattern {
+        &self.pattern
+    }
+
+    fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
+        Ok(self.chain.energy(x)? + self.stiffness / 6.0 * self.opening(x).powi(3))
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<f64, Inadmissible> {
+        self.chain.residual(x, residual)?;
+        let force = self.stiffness / 2.0 * self.opening(x).powi(2);
+        residual[x.len() - 1] += force;
+        residual[0] -= force;
+        self.energy(x)
+    }
+
+    fn tangent(
+        &mut self,
+        x: &[f64],
+        residual: &mut [f64],
+        tangent: &mut [f64],
+    ) -> Result<f64, Inadmissible> {
+        let stiffness = self.stiffness * self.opening(x);
+        assert!(stiffness == 0.0 || self.room.is_some(), "no room was made for the hook");
+        let mut own = vec![0.0; self.chain.pattern.stored()];
+        self.chain.tangent(x, residual, &mut own)?;
+        if let Some(room) = self.room {
+            own.insert(room, -stiffness);
+        }
+        tangent.copy_from_slice(&own);
+        tangent[0] += stiffness;
+        *tangent.last_mut().expect("the last diagonal") += stiffness;
+        self.residual(x, residual)
+    }
+
+    fn make_room(&mut self, x: &[f64]) -> bool {
+        let is_due = self.room.is_none() && self.opening(x) > 0.0;
+        if is_due {
+            let end = self.pattern.column_starts[1];
+            self.room = Some(end as usize);
+            self.pattern.row_indices.insert(end as usize, x.len() as u32 - 1);
+            self.pattern.column_starts[1..].iter_mut().for_each(|start| *start += 1);
+        }
+        is_due
+    }
+
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+}

@@ -8,5 +8,6 @@ mod inflated_tube;
 mod locking;
 mod parts;
 mod rubber;
+mod self_contact;
 mod stiff_shell;
 mod thick_wall;

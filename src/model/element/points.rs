@@ -17,6 +17,17 @@ pub struct Sample {
 }
 
 impl Sample {
+    /// The node with the largest weight.
+    ///
+    /// # Panics
+    /// When the sample has no node.
+    #[must_use]
+    pub fn heaviest(&self) -> u32 {
+        let largest =
+            (0..self.nodes.len()).max_by(|&a, &b| self.weights[a].total_cmp(&self.weights[b]));
+        self.nodes[largest.expect("a sample has nodes")]
+    }
+
     /// The point on the surface, mm; of displacements, the displacement there.
     #[must_use]
     pub fn point(&self, positions: &[Vec3]) -> Vec3 {

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! The energy is the line search's objective. The matrix is SBAIJ (upper triangle) with an `L D L^T` whose
-//! analysis is made once per solver; there is one numeric factorisation per tangent and shift.
+//! analysis is made once per pattern; there is one numeric factorisation per tangent and shift. SNES only holds the
+//! matrix and never reads it, so where the pattern grows in the midst of a solve ours is made anew beside it.
 
 mod library;
 
@@ -20,7 +21,7 @@ use super::{
 use crate::math::cpu_seconds;
 use crate::model::system::{SparsityPattern, System};
 
-/// Solver by PETSc's SNES with MUMPS, for systems of one sparsity pattern.
+/// Solver by PETSc's SNES with MUMPS.
 ///
 /// Any number may exist and be used from any threads, but PETSc is not thread-safe: each call holds a
 /// process-wide lock, so calls from several threads take turns. Work in parallel by processes.
@@ -46,30 +47,46 @@ impl Snes {
         let session = Session::open()?;
         let start = cpu_seconds();
         let tangent = Tangent::new(&session, pattern)?;
-        let driver = Driver::new(&session, &tangent.factor, pattern.order())?;
+        let driver = Driver::new(&session, pattern.order())?;
         let times = SolveTimes { assembly: 0.0, factorization: cpu_seconds() - start };
         Ok(Self { tangent, driver, linearized: false, times })
+    }
+
+    /// Plans anew where the system's pattern is not the one that was planned for.
+    fn follow_pattern(
+        &mut self,
+        session: &Session,
+        pattern: &SparsityPattern,
+    ) -> Result<(), SolverFailure> {
+        if self.tangent.pattern != *pattern {
+            let start = cpu_seconds();
+            self.tangent = Tangent::new(session, pattern)?;
+            self.times.factorization += cpu_seconds() - start;
+        }
+        Ok(())
     }
 }
 
 impl EquilibriumSolver for Snes {
     /// # Panics
-    /// When the system's pattern is not the solver's, when the system panics, or calls a PETSc solver itself.
+    /// When the system's order is not the solver's, when the system panics, or calls a PETSc solver itself.
     fn solve(
         &mut self,
         system: &mut dyn System,
         x: &mut [f64],
         settings: &NewtonSettings,
     ) -> Result<NewtonReport, SolverFailure> {
-        self.tangent.check_pattern(system.pattern());
+        self.tangent.check_order(system.pattern());
         self.linearized = false;
         let session = Session::open()?;
+        self.follow_pattern(&session, system.pattern())?;
+        self.driver.adopt(&session, &self.tangent.factor)?;
         let order = x.len();
         let mut drive = Drive {
             session: &session,
             threshold: settings.tolerance * system.force_scale(),
             stable_negative_pivots: system.stable_negative_pivots(),
-            stops_when_indefinite: settings.stops_when_indefinite,
+            most_shifted: settings.most_shifted,
             system: Observed::new(system),
             tangent: &mut self.tangent,
             energy: f64::INFINITY,
@@ -88,7 +105,9 @@ impl EquilibriumSolver for Snes {
         let ended = ended?;
         let ending = match ended {
             _ if drive.inadmissible => NewtonEnding::Inadmissible,
-            NewtonEnding::Singular if settings.stops_when_indefinite => NewtonEnding::Indefinite,
+            NewtonEnding::Singular if drive.shifted > settings.most_shifted => {
+                NewtonEnding::Indefinite
+            }
             ended => ended,
         };
         Ok(NewtonReport {
@@ -100,8 +119,14 @@ impl EquilibriumSolver for Snes {
     }
 
     fn linearize(&mut self, system: &mut dyn System, x: &[f64]) -> Result<usize, SolverFailure> {
-        self.tangent.check_pattern(system.pattern());
+        self.tangent.check_order(system.pattern());
         self.linearized = false;
+        let start = cpu_seconds();
+        system.make_room(x);
+        self.times.assembly += cpu_seconds() - start;
+        if self.tangent.pattern != *system.pattern() {
+            self.follow_pattern(&Session::open()?, system.pattern())?;
+        }
         let start = cpu_seconds();
         let mut residual = vec![0.0; x.len()];
         system
@@ -166,8 +191,9 @@ impl Tangent {
         Ok(Self { pattern: pattern.clone(), entries, kept, starts, factor })
     }
 
-    fn check_pattern(&self, pattern: &SparsityPattern) {
-        assert!(&self.pattern == pattern, "the system's pattern is not the solver's");
+    fn check_order(&self, pattern: &SparsityPattern) {
+        let order = self.pattern.order();
+        assert!(order == pattern.order(), "the system's order is not the solver's");
     }
 
     fn factorize(
@@ -221,7 +247,7 @@ struct Drive<'a> {
     session: &'a Session,
     threshold: f64,
     stable_negative_pivots: usize,
-    stops_when_indefinite: bool,
+    most_shifted: usize,
     system: Observed<'a>,
     tangent: &'a mut Tangent,
     /// The energy at the iterate, mJ.
@@ -251,9 +277,15 @@ impl Newton for Drive<'_> {
         residual_norm <= self.threshold
     }
 
-    fn tangent(&mut self, x: &[f64]) {
+    fn tangent(&mut self, x: &[f64]) -> Result<(), SolverFailure> {
+        if self.system.make_room(x) {
+            let start = cpu_seconds();
+            *self.tangent = Tangent::new(self.session, self.system.pattern())?;
+            self.factorization += cpu_seconds() - start;
+        }
         let made = self.system.tangent(x, &mut self.trial_residual, &mut self.tangent.entries);
         self.inadmissible = made.is_err() || !self.tangent.is_finite();
+        Ok(())
     }
 
     fn correction(&mut self, b: &mut [f64]) -> Result<bool, SolverFailure> {
@@ -264,7 +296,7 @@ impl Newton for Drive<'_> {
         let shift = self.tangent.factorize_stable(
             self.session,
             self.stable_negative_pivots,
-            self.stops_when_indefinite,
+            self.shifted == self.most_shifted,
         )?;
         if shift.is_some() {
             self.tangent.factor.solve(self.session, b)?;

@@ -26,7 +26,7 @@ pub(in crate::solve::petsc) trait Newton {
     ///
     /// Where it is not, the correction cannot be done. (SNES has a mark for that case, but 3.18 never takes
     /// it off again: the next solve would end with it.)
-    fn tangent(&mut self, x: &[f64]);
+    fn tangent(&mut self, x: &[f64]) -> Result<(), SolverFailure>;
 
     /// Solves with the last tangent; `b [n]` is overwritten by the solution. `false` when it cannot be done.
     fn correction(&mut self, b: &mut [f64]) -> Result<bool, SolverFailure>;
@@ -41,26 +41,17 @@ pub(in crate::solve::petsc) struct Driver {
     snes: sys::SNES,
     x: sys::Vec,
     residual: sys::Vec,
-    matrix: sys::Mat,
 }
 
 // SAFETY: as for `Factor`.
 unsafe impl Send for Driver {}
 
 impl Driver {
-    /// A driver for `order` unknowns; SNES sees the tangent as the matrix of `factor`.
-    pub(in crate::solve::petsc) fn new(
-        _: &Session,
-        factor: &Factor,
-        order: usize,
-    ) -> Result<Self, SolverFailure> {
+    /// A driver for `order` unknowns.
+    pub(in crate::solve::petsc) fn new(_: &Session, order: usize) -> Result<Self, SolverFailure> {
         let order = petsc_int(order)?;
-        let mut made = Self {
-            snes: ptr::null_mut(),
-            x: ptr::null_mut(),
-            residual: ptr::null_mut(),
-            matrix: factor.matrix(),
-        };
+        let mut made =
+            Self { snes: ptr::null_mut(), x: ptr::null_mut(), residual: ptr::null_mut() };
         // SAFETY: the session's lock is held; handles are written before they are read.
         unsafe {
             let this = sys::petsc_sys_comm_self();
@@ -79,7 +70,19 @@ impl Driver {
         Ok(made)
     }
 
-    /// Runs Newton's method from `x [n]`, which receives the last iterate.
+    /// Shows SNES the matrix of `factor` as the tangent. SNES holds it from now on, whatever becomes of `factor`.
+    pub(in crate::solve::petsc) fn adopt(
+        &mut self,
+        _: &Session,
+        factor: &Factor,
+    ) -> Result<(), SolverFailure> {
+        let matrix = factor.matrix();
+        // SAFETY: the session's lock is held and the handles live; PETSc counts who holds a matrix. The callback and
+        // its context are set by each solve.
+        check(unsafe { sys::SNESSetJacobian(self.snes, matrix, matrix, None, ptr::null_mut()) })
+    }
+
+    /// Runs Newton's method from `x [n]`, which receives the last iterate; a matrix was adopted before.
     ///
     /// # Panics
     /// When `newton` did: its panic is carried through PETSc and goes on here.
@@ -103,8 +106,8 @@ impl Driver {
             check(sys::SNESSetFunction(self.snes, self.residual, Some(on_residual), context))?;
             check(sys::SNESSetJacobian(
                 self.snes,
-                self.matrix,
-                self.matrix,
+                ptr::null_mut(),
+                ptr::null_mut(),
                 Some(on_tangent),
                 context,
             ))?;
@@ -206,12 +209,7 @@ unsafe extern "C" fn on_tangent(
     context: *mut c_void,
 ) -> sys::PetscErrorCode {
     // SAFETY: `context` is the running solve's.
-    unsafe {
-        guarded(context, |newton| {
-            newton.tangent(&ReadArray::of(x)?);
-            Ok(())
-        })
-    }
+    unsafe { guarded(context, |newton| newton.tangent(&ReadArray::of(x)?)) }
 }
 
 unsafe extern "C" fn on_correction(pc: sys::PC, b: sys::Vec, y: sys::Vec) -> sys::PetscErrorCode {

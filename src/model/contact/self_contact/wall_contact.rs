@@ -1,0 +1,181 @@
+//! The contact of a wall with itself as a model sees it: which pairs are near, kept up to date while the wall moves.
+//!
+//! Pairs nearer than the barrier's reach and a margin are listed. The list stays complete until some node has moved by half
+//! the margin; until then nothing is searched. The order of the list does not depend on when it was made, so the energy
+//! of a state does not either.
+//!
+//! The tangent's pattern has room for the triangles that are or were listed, so that it seldom changes.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::SelfContactSettings;
+use super::pair::Pair;
+use super::pair_term::PairTerm;
+use super::step::longest_step;
+use super::wall_surface::{Couple, WallSurface};
+use crate::math::Vec3;
+use crate::model::local::Term;
+use crate::model::tie::{Tied, Ties};
+
+/// How much farther than the barrier's reach pairs are listed, in thicknesses.
+const MARGIN: f64 = 0.25;
+/// Largest activation, in thicknesses: beyond, neighbours in a flat wall come within reach.
+const LARGEST_ACTIVATION: f64 = 0.25;
+/// Room for more than so many times the listed triangles is too much.
+const ROOM_TO_SPARE: usize = 4;
+/// Less room than this is never too much.
+const LEAST_ROOM: usize = 200;
+
+/// The barriers of a wall against itself, and where they are valid.
+#[derive(Clone, Debug)]
+pub(in crate::model) struct WallContact {
+    surface: Arc<WallSurface>,
+    settings: SelfContactSettings,
+    term: Tied<PairTerm>,
+    /// Nodes where the pairs were listed, mm; empty while none are.
+    listed_at: Vec<Vec3>,
+    /// Triangles that the pattern has room for, ascending.
+    room: Vec<[u32; 2]>,
+}
+
+/// Nodes that follow others, and all nodes at rest, mm.
+#[derive(Clone, Copy)]
+pub(in crate::model) struct Frame<'a> {
+    pub(in crate::model) ties: &'a Ties,
+    pub(in crate::model) reference: &'a [Vec3],
+}
+
+impl WallContact {
+    /// Barriers on `surface`.
+    pub(super) fn new(
+        surface: Arc<WallSurface>,
+        settings: SelfContactSettings,
+        frame: Frame<'_>,
+    ) -> Self {
+        let activation = settings.activation.min(LARGEST_ACTIVATION * surface.thickness);
+        let settings = SelfContactSettings { activation, ..settings };
+        let reach = surface.thickness + activation;
+        let none = PairTerm::new(surface.clone(), Vec::new(), reach);
+        let term = Tied::new(none, frame.ties, frame.reference);
+        Self { surface, settings, term, listed_at: Vec::new(), room: Vec::new() }
+    }
+
+    /// The barriers between what was listed last.
+    pub(in crate::model) fn term(&self) -> &dyn Term {
+        &self.term
+    }
+
+    /// Lists the pairs that are near where the nodes are at `positions` (mm), unless the last list is still complete;
+    /// returns whether it made a new one.
+    pub(in crate::model) fn list(&mut self, positions: &[Vec3], frame: Frame<'_>) -> bool {
+        if self.is_listed(positions) {
+            return false;
+        }
+        let listed = self.listed_near(positions);
+        self.listed_at = positions.to_vec();
+        // Nothing near before, nothing near now: nothing changes.
+        if listed.stencils().is_empty() && self.term.stencils().is_empty() {
+            return false;
+        }
+        self.term = Tied::new(listed, frame.ties, frame.reference);
+        true
+    }
+
+    /// Makes the room that the listed pairs want; returns the stencils of all room, where it had to be changed.
+    pub(in crate::model) fn make_room(&mut self, frame: Frame<'_>) -> Option<Vec<Vec<u32>>> {
+        let listed: Vec<[u32; 2]> = self.term.inner().triangles().collect();
+        let is_enough = listed.iter().all(|pair| self.room.binary_search(pair).is_ok());
+        let is_too_much = self.room.len() > LEAST_ROOM.max(ROOM_TO_SPARE * listed.len());
+        if is_enough && !is_too_much {
+            return None;
+        }
+        let mut room = if is_too_much { Vec::new() } else { std::mem::take(&mut self.room) };
+        let pose = self.surface.pose(&self.listed_at, None);
+        let far = self.reach() + 2.0 * MARGIN * self.surface.thickness;
+        self.surface.visit_near(&pose, far, &mut |triangles, _| room.push(triangles));
+        room.sort_unstable();
+        room.dedup();
+        let pairs = room.iter().map(|&triangles| (triangles, Vec::new())).collect();
+        let term = PairTerm::new(self.surface.clone(), pairs, self.reach());
+        self.room = room;
+        Some(Tied::new(term, frame.ties, frame.reference).stencils().to_vec())
+    }
+
+    /// The largest part of the displacement `dx` (mm) of the nodes at `positions` that keeps all gaps open, at most 1.
+    pub(in crate::model) fn longest_step(&self, positions: &[Vec3], dx: &[Vec3]) -> f64 {
+        let mut longest = 1.0_f64;
+        let there: Vec<Vec3> = positions.iter().zip(dx).map(|(x, dx)| x + dx).collect();
+        // Between two states whose list is complete it is complete too.
+        if self.is_listed(positions) && self.is_listed(&there) {
+            if self.term.stencils().is_empty() {
+                return longest;
+            }
+            let [x, dx] = [positions, dx].map(|nodes| self.surface.samples_at(nodes));
+            for (samples, pair) in self.term.inner().pairs() {
+                let [x, dx] = [&x, &dx].map(|all| at(all, &samples, pair));
+                let closest = |x: &[Vec3; 4]| pair.closest(x);
+                longest = longest_step(&x, &dx, pair.first(), pair.thickness, closest, longest);
+            }
+            return longest;
+        }
+        let pose = self.surface.pose(positions, Some(dx));
+        self.surface.visit_near(&pose, self.surface.thickness, &mut |_, couple: Couple| {
+            let [x, dx] =
+                [&pose.samples, &pose.motion].map(|all| couple.samples.map(|v| all[v as usize]));
+            let [thickness, _] = self.surface.thickness_of(&couple);
+            let closest = |x: &[Vec3; 4]| couple.kind.closest(x);
+            longest = longest_step(&x, &dx, couple.kind.first(), thickness, closest, longest);
+        });
+        longest
+    }
+
+    /// The force with which the wall presses on itself where the nodes are at `positions`, N: that of all points on
+    /// facets, and of edges on edges.
+    pub(in crate::model) fn force(&self, positions: &[Vec3]) -> f64 {
+        let x = self.surface.samples_at(positions);
+        let mut of_points: BTreeMap<u32, Vec3> = BTreeMap::new();
+        let mut of_edges = 0.0;
+        for (samples, pair) in self.listed_near(positions).pairs() {
+            if let Ok(Some(derivatives)) = pair.derivatives(&at(&x, &samples, pair), false) {
+                let force: Vec3 = derivatives.gradient[..pair.first()].iter().sum();
+                if pair.first() == 1 {
+                    *of_points.entry(samples[pair.points[0] as usize]).or_default() += force;
+                } else {
+                    of_edges += force.norm();
+                }
+            }
+        }
+        of_points.values().map(|force| force.norm()).fold(of_edges, |sum, force| sum + force)
+    }
+
+    /// Gap of the mid-surfaces below which a barrier may act, mm.
+    fn reach(&self) -> f64 {
+        self.surface.thickness + self.settings.activation
+    }
+
+    fn is_listed(&self, positions: &[Vec3]) -> bool {
+        // Points are means of nodes: none moves farther than the farthest node.
+        let farthest = 0.5 * MARGIN * self.surface.thickness;
+        self.listed_at.len() == positions.len()
+            && (self.listed_at.iter().zip(positions))
+                .all(|(at, x)| (x - at).norm_squared() <= farthest * farthest)
+    }
+
+    /// The barriers between all pairs that are near where the nodes are at `positions`.
+    pub(super) fn listed_near(&self, positions: &[Vec3]) -> PairTerm {
+        let SelfContactSettings { activation, stiffness } = self.settings;
+        let pose = self.surface.pose(positions, None);
+        let mut pairs: BTreeMap<[u32; 2], Vec<Pair>> = BTreeMap::new();
+        let far = self.reach() + MARGIN * self.surface.thickness;
+        self.surface.visit_near(&pose, far, &mut |triangles, couple| {
+            let pair = Pair::new(&couple, &self.surface, activation, stiffness);
+            pairs.entry(triangles).or_default().push(pair);
+        });
+        PairTerm::new(self.surface.clone(), pairs.into_iter().collect(), self.reach())
+    }
+}
+
+fn at(all: &[Vec3], samples: &[u32; 12], pair: &Pair) -> [Vec3; 4] {
+    pair.points.map(|point| all[samples[point as usize] as usize])
+}
