@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, anyhow, ensure};
 use serde::Serialize;
 
-use super::closed_part::{planes, shell};
+use super::closed_part::shell;
 use super::design_folder::{write_json, write_path, write_surface, write_watches};
 use super::material::instability;
 use super::provenance::Provenance;
@@ -71,7 +71,7 @@ pub(super) fn run(
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;
 
-    let planes = planes(&scene, &mesh);
+    let planes = scene.plane_settings(scene.load_settings().pressure);
     let material = scene.material.material()?;
     instability(&material).iter().for_each(|line| warn(line));
     let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &planes)

@@ -30,7 +30,7 @@ fn shell() -> ShellMesh {
 
 /// The path to full pressure, with a plane so many millimetres away where one is given.
 fn walked(mesh: &ShellMesh, backend: Backend, plane: Option<f64>) -> (ShellModel, Vec<PathPoint>) {
-    let before = |distance| PlaneSettings::before(mesh, Vec3::x(), distance, PRESSURE);
+    let before = |distance| PlaneSettings::new(Vec3::x(), distance, PRESSURE);
     let planes: Vec<PlaneSettings> = plane.map(before).into_iter().collect();
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
     let mut model = ShellModel::new(mesh, &material, &Support::Clamp, &planes).unwrap();

@@ -1,5 +1,10 @@
 //! Contact with things that do not move.
 
+mod friction;
 mod plane;
+mod planes;
 
+pub use friction::Friction;
 pub use plane::{PlaneContact, PlaneSettings};
+pub use planes::PlaneState;
+pub(in crate::model) use planes::Planes;
