@@ -7,7 +7,7 @@
 //! What a scene does not list is not assembled: without planes there is no contact term at all.
 
 use super::assembly::{Assembler, Slots};
-use super::contact::{PlaneSettings, PlaneState, Planes};
+use super::contact::{PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
 use super::element::SampledSurface;
@@ -150,40 +150,10 @@ impl ShellModel {
         self.chamber.as_ref().map_or(0.0, |chamber| chamber.inner().volume(&self.displaced(u)))
     }
 
-    /// Takes the planes of the scene away, or puts them back; only [`Self::smallest_gap`] and [`Self::touches_plane`] still
-    /// see lifted planes.
-    pub fn lift_planes(&mut self, lifted: bool) {
-        self.planes.lift(lifted);
-    }
-
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
     #[must_use]
     pub fn creased_share(&self) -> f64 {
         self.wall.inner().creased_share()
-    }
-
-    /// The sum of the sizes of the forces with which the part presses on the planes of the scene, N.
-    #[must_use]
-    pub fn plane_force(&self, u: &[f64]) -> f64 {
-        self.planes.force(&self.displaced(u))
-    }
-
-    /// How the part touches each plane of the scene; in a state that was settled the friction is that of then.
-    #[must_use]
-    pub fn plane_states(&self, u: &[f64]) -> Vec<PlaneState> {
-        self.planes.states(u, &self.displaced(u))
-    }
-
-    /// The smallest gap to a plane of the scene, mm; infinite without planes.
-    #[must_use]
-    pub fn smallest_gap(&self, u: &[f64]) -> f64 {
-        self.planes.smallest_gap(&self.displaced(u))
-    }
-
-    /// Whether a plane of the scene is near enough to push.
-    #[must_use]
-    pub fn touches_plane(&self, u: &[f64]) -> bool {
-        self.planes.touch(&self.displaced(u))
     }
 
     /// Displacements of the mesh's vertices, mm.
@@ -202,7 +172,7 @@ impl ShellModel {
     }
 
     /// Positions of all nodes, mm.
-    fn displaced(&self, u: &[f64]) -> Vec<Vec3> {
+    pub(super) fn displaced(&self, u: &[f64]) -> Vec<Vec3> {
         let mut x = self.displacements(u);
         x.iter_mut().zip(&self.reference).for_each(|(x, reference)| *x += reference);
         x
@@ -387,8 +357,7 @@ mod tests {
     fn loaded(seed: u64) -> (ShellModel, Vec<f64>, Vec<bool>) {
         let shell = TestShell::new(seed);
         let plane = PlaneSettings::new(Vec3::new(0.48, -0.6, 0.64), 5.0, 0.01);
-        let mut model =
-            ShellModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &[plane]).unwrap();
+        let mut model = ShellModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &[plane]).unwrap();
         let moved = shell.deformed.iter().zip(&shell.reference).map(|(x, rest)| x - rest);
         let mut u: Vec<f64> = moved.flat_map(|u| [u.x, u.y, u.z]).collect();
         let mut held = vec![false; u.len()];

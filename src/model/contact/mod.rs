@@ -3,6 +3,8 @@
 mod friction;
 mod plane;
 mod planes;
+#[cfg(test)]
+mod tests;
 
 pub use friction::Friction;
 pub use plane::{PlaneContact, PlaneSettings};

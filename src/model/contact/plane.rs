@@ -1,14 +1,17 @@
 //! Frictionless contact of the wall with a rigid plane, by a barrier.
 //!
 //! ```text
-//! gap      d_i = n . x_i - offset - t/2
+//! gap      d_i = n . x_i - floor_i
 //! energy   sum_i A_i kappa_i b(d_i; h_i),   b(d; h) = -(d - h)^2 ln(d / h)  for 0 < d < h,  0 beyond
+//! floor_i  = offset + t/2, but at most  n . x_i at rest - 2 t / 1000
 //! h_i      = min(t / 10, d_i at rest / 2)          kappa_i h_i (ln 2 + 1/2) = 10 pressure
 //! ```
 //!
-//! The barrier is infinite at zero gap, so no sample passes the plane; it pushes when the gap is below the activation
+//! The barrier is infinite at zero gap, so no sample passes its floor; it pushes when the gap is below the activation
 //! `h_i`, which is the error of the contact's position, and at half of it carries ten times the pressure that is
-//! expected. At rest no sample is nearer than twice its activation, however near the plane stands: nothing pushes there.
+//! expected. At rest no sample is nearer than twice its activation, so that nothing pushes there, however near the plane
+//! stands. What is nearer than 2 t / 1000 counts as that far: a barrier of less reach would be so steep that the rounding of
+//! positions shows in its force.
 //! Samples are the limit points of vertices and edge midpoints, weighted by their share of the reference area, so that
 //! the contact pressure does not depend on the mesh. The face that looks at the plane, of an open wall the one or the
 //! other, lies half the thickness at rest before the mid-surface; where the wall is inclined that is its rounded edge.
@@ -28,6 +31,9 @@ const ACTIVATION: f64 = 0.1;
 
 /// Where the barrier begins at most, as a share of the gap at rest.
 const SHARE_OF_REST_GAP: f64 = 0.5;
+
+/// The least gap at rest, in thicknesses.
+const LEAST_REST_GAP: f64 = 2e-3;
 
 /// Pressure of the barrier at half its activation, as a multiple of what is expected.
 const PRESSURE_MULTIPLE: f64 = 10.0;
@@ -64,11 +70,12 @@ pub struct PlaneContact {
     normal: Vec3,
     /// `normal . x` on the plane, mm.
     offset: f64,
-    half_thickness: f64,
     nodes: Vec<Vec<u32>>,
     weights: Vec<Vec<f64>>,
     /// Of each sample its share of the surface at rest, mm^2.
     areas: Vec<f64>,
+    /// Of each sample `normal . x` where its gap is zero, mm.
+    floors: Vec<f64>,
     /// Of each sample the gap at which the barrier begins to push, mm.
     activations: Vec<f64>,
     pressure: f64,
@@ -99,15 +106,16 @@ impl PlaneContact {
         }
         let heights: Vec<f64> = at_rest.iter().map(|x| normal.dot(x)).collect();
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let activation = |height: &f64| {
-            (ACTIVATION * thickness).min(SHARE_OF_REST_GAP * (height - lowest + distance))
+        let offset = lowest - 0.5 * thickness - distance;
+        let floor = |height: &f64| (lowest - distance).min(height - LEAST_REST_GAP * thickness);
+        let floors: Vec<f64> = heights.iter().map(floor).collect();
+        let activation = |(height, floor): (&f64, &f64)| {
+            (ACTIVATION * thickness).min(SHARE_OF_REST_GAP * (height - floor))
         };
-        let activations = heights.iter().map(activation).collect();
+        let activations = heights.iter().zip(&floors).map(activation).collect();
         let samples = surface.samples.iter().map(|s| (s.nodes.clone(), s.weights.clone()));
         let (nodes, weights) = samples.unzip();
-        let half_thickness = 0.5 * thickness;
-        let offset = lowest - half_thickness - distance;
-        Self { normal, offset, half_thickness, nodes, weights, areas, activations, pressure }
+        Self { normal, offset, nodes, weights, areas, floors, activations, pressure }
     }
 
     /// Unit normal, pointing towards the part.
@@ -173,7 +181,7 @@ impl PlaneContact {
 
     /// The gap between sample `s` and the plane, mm.
     pub(super) fn gap(&self, s: usize, positions: &[Vec3]) -> f64 {
-        self.height(s, positions) - self.offset - self.half_thickness
+        self.height(s, positions) - self.floors[s]
     }
 
     /// The gap at which the barrier begins to push on sample `s`, mm.
@@ -191,6 +199,7 @@ impl PlaneContact {
     #[cfg(test)]
     pub(super) fn raise(&mut self, distance: f64) {
         self.offset += distance;
+        self.floors.iter_mut().for_each(|floor| *floor += distance);
     }
 
     fn height(&self, s: usize, x: &[Vec3]) -> f64 {
@@ -200,7 +209,7 @@ impl PlaneContact {
 
     fn local_gap(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
         let height: f64 = self.weights[s].iter().zip(x).map(|(w, x)| w * self.normal.dot(x)).sum();
-        let gap = height - self.offset - self.half_thickness;
+        let gap = height - self.floors[s];
         if gap > 0.0 { Ok(gap) } else { Err(Inadmissible("a wall lies behind the plane")) }
     }
 
@@ -303,9 +312,8 @@ mod tests {
         for share in [1e-3, 1e-4, 1e-5] {
             let [value, slope, curvature] = contact.barrier(0, h * (1.0 - share));
             // -(h e)^2 ln(1 - e) to leading order; what is left out is of relative size 2 e.
-            let close = |value: f64, leading: f64| {
-                (value / (weight * leading) - 1.0).abs() < 2.0 * share
-            };
+            let close =
+                |value: f64, leading: f64| (value / (weight * leading) - 1.0).abs() < 2.0 * share;
             assert!(close(value, share.powi(3) * h * h), "{value}");
             assert!(close(slope, -3.0 * share * share * h), "{slope}");
             assert!(close(curvature, 6.0 * share), "{curvature}");
@@ -326,8 +334,9 @@ mod tests {
         let shell = TestShell::new(5);
         for distance in [1e-6, 1e-2, 10.0] {
             let contact = contact(&shell, distance);
-            // Rounding of coordinates of 10 mm.
-            assert!((contact.smallest_gap(&shell.reference) - distance).abs() < 1e-14);
+            // Rounding of coordinates of 10 mm; the wall is 0.8 mm thick.
+            let gap = contact.smallest_gap(&shell.reference);
+            assert!((gap - f64::max(distance, 0.0016)).abs() < 1e-14, "{gap}");
             assert!(!contact.touches(&shell.reference));
             for s in contact.samples() {
                 let (gap, h) = (contact.gap(s, &shell.reference), contact.activation(s));

@@ -4,6 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::{Friction, PlaneContact, PlaneSettings};
 use crate::math::Vec3;
+use crate::model::ShellModel;
 use crate::model::assembly::{Assembler, Slots};
 use crate::model::element::SampledSurface;
 use crate::model::local::Term;
@@ -183,7 +184,8 @@ impl Plane {
                 area += contact.area(s);
             }
         }
-        let friction = self.friction.as_ref().map_or(Vec3::zeros(), |(friction, _)| {
+        let friction = self.friction.as_ref().filter(|_| force > 0.0);
+        let friction = friction.map_or(Vec3::zeros(), |(friction, _)| {
             let settled = self.settled.iter().rev().find(|(settled, _)| *settled == key);
             settled.map_or_else(|| friction.inner().force(positions), |(_, force)| *force)
         });
@@ -195,6 +197,38 @@ impl Plane {
             bearing_area: if force > 0.0 { force * force / squares } else { 0.0 },
             smallest_gap: contact.smallest_gap(positions),
         }
+    }
+}
+
+impl ShellModel {
+    /// Takes the planes of the scene away, or puts them back; only [`Self::smallest_gap`] and [`Self::touches_plane`] still
+    /// see lifted planes.
+    pub fn lift_planes(&mut self, lifted: bool) {
+        self.planes.lift(lifted);
+    }
+
+    /// The sum of the sizes of the forces with which the part presses on the planes of the scene, N.
+    #[must_use]
+    pub fn plane_force(&self, u: &[f64]) -> f64 {
+        self.planes.force(&self.displaced(u))
+    }
+
+    /// How the part touches each plane of the scene; in a state that was settled the friction is that of then.
+    #[must_use]
+    pub fn plane_states(&self, u: &[f64]) -> Vec<PlaneState> {
+        self.planes.states(u, &self.displaced(u))
+    }
+
+    /// The smallest gap to a plane of the scene, mm; infinite without planes.
+    #[must_use]
+    pub fn smallest_gap(&self, u: &[f64]) -> f64 {
+        self.planes.smallest_gap(&self.displaced(u))
+    }
+
+    /// Whether a plane of the scene is near enough to push.
+    #[must_use]
+    pub fn touches_plane(&self, u: &[f64]) -> bool {
+        self.planes.touch(&self.displaced(u))
     }
 }
 
