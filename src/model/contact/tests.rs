@@ -313,7 +313,7 @@ fn sphere_is_flattened_on_a_plane() {
     let mut model = ShellModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
     let nodes = patch.control_points();
     let mut raised = 0.0;
-    for approach in [0.8, 1.2, 1.6, 2.0] {
+    for approach in [0.8, 2.0] {
         let rise = approach * length2 / radius + distance;
         model.planes.raise(rise - raised);
         raised = rise;
