@@ -1,4 +1,4 @@
-//! Closed parts: the shell of a network, an STL file, a sphere or an ellipsoid, what holds it, and the planes before it.
+//! Closed parts: the shell of a network, an STL file, a sphere or an ellipsoid, and what holds it.
 
 use anyhow::{Context, anyhow, bail, ensure};
 
@@ -8,7 +8,6 @@ use crate::io::stl;
 use crate::math::{Rejected, Vec3};
 use crate::mesh::{ShellMesh, ShellSettings, shell_of_field};
 use crate::model::Support;
-use crate::model::contact::PlaneSettings;
 use crate::surface::{RemeshSettings, TriangleMesh, intersecting_pairs, isosurface, remesh};
 
 /// The shell of a closed part.
@@ -67,14 +66,6 @@ pub(super) fn support(source: &PartSource<'_>, mesh: &ShellMesh) -> Support {
     let (top, bottom, side) = (farthest(2, 1.0), farthest(2, -1.0), farthest(0, 1.0));
     let pins = [3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
     Support::Unknowns(pins.to_vec())
-}
-
-/// The planes of the `scene` before `mesh`.
-pub(super) fn planes(scene: &SceneFile, mesh: &ShellMesh) -> Vec<PlaneSettings> {
-    let pressure = scene.load_settings().pressure;
-    let before = |normal, distance| PlaneSettings::before(mesh, normal, distance, pressure);
-    let planes = scene.planes.iter();
-    planes.map(|plane| before(Vec3::from(plane.normal).normalize(), plane.distance)).collect()
 }
 
 /// A mesh wants a clamp, though free bodies do not use it.

@@ -1,6 +1,7 @@
 //! The command line: what was typed, turned into work, and work turned into files and lines.
 
 mod closed_part;
+mod contact_rows;
 mod design_folder;
 mod evolve;
 mod formula;

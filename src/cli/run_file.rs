@@ -79,7 +79,7 @@ impl RunFile {
         self.gene_bounds()?;
         self.material.material()?;
         within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
-        check_distance("[fitness] plane_distance", self.fitness.plane_distance, &self.wall)?;
+        check_distance("[fitness] plane_distance", self.fitness.plane_distance)?;
         check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
         let height = self.design_box.sides().z;
         let clamped = self.wall.clamp_height * self.wall.thickness;
@@ -196,20 +196,15 @@ fn check_rim(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Checks that a plane stands before the reach of its barrier, which is a tenth of the wall's thickness.
-pub(super) fn check_distance(
-    what: &str,
-    distance: f64,
-    wall: &ShellSettings,
-) -> anyhow::Result<()> {
+/// Checks the distance of a plane, mm: the barrier begins half way to it, or a tenth of the wall's thickness before it.
+pub(super) fn check_distance(what: &str, distance: f64) -> anyhow::Result<()> {
     positive(what, distance)?;
-    let least = 0.2 * wall.thickness;
-    ensure!(
-        distance >= least,
-        "{what} is {distance}, but the plane must stand at least {least:.3} mm (a fifth of the wall's thickness) away"
-    );
+    within(what, distance, LEAST_DISTANCE, 1e12)?;
     Ok(())
 }
+
+/// Below, the rounding of positions is a share of the gap.
+const LEAST_DISTANCE: f64 = 1e-6;
 
 pub(super) fn check_normal(what: &str, normal: [f64; 3]) -> anyhow::Result<()> {
     let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt();

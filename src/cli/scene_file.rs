@@ -19,8 +19,9 @@ use crate::field::DesignBox;
 use crate::fitness::LoadSettings;
 use crate::genome::Network;
 use crate::io::toml_file;
+use crate::math::Vec3;
 use crate::mesh::{MeshSettings, ShellSettings};
-use crate::model::contact::SelfContactSettings;
+use crate::model::contact::{PlaneSettings, SelfContactSettings};
 use crate::solve::{Backend, PathSettings, Programme, Supply};
 
 /// A scene file.
@@ -185,8 +186,18 @@ impl Default for SelfContactSection {
 pub(super) struct Plane {
     /// Direction towards the part.
     pub normal: [f64; 3],
-    /// Distance from the outermost point of the outer wall at rest, mm.
+    /// Distance from the outermost point of the outer wall (of a patch: of the nearer face) at rest, mm.
     pub distance: f64,
+    /// Coulomb's coefficient; 0 computes none.
+    #[serde(default)]
+    pub friction: f64,
+    /// Slip within which friction is mobilised, in wall thicknesses.
+    #[serde(default = "default_elastic_slip")]
+    pub elastic_slip: f64,
+}
+
+fn default_elastic_slip() -> f64 {
+    PlaneSettings::new(Vec3::x(), 1.0, 1.0).elastic_slip
 }
 
 /// PETSc where it is built in: a single scene has the process to itself.
@@ -232,7 +243,9 @@ impl SceneFile {
         self.material.material()?;
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
-            check_distance("[[plane]] distance", plane.distance, &self.wall)?;
+            check_distance("[[plane]] distance", plane.distance)?;
+            within("[[plane]] friction", plane.friction, 0.0, MOST_FRICTION)?;
+            within("[[plane]] elastic_slip", plane.elastic_slip, 1e-6, 1.0)?;
         }
         if let Some(section) = &self.self_contact {
             within("[self_contact] activation", section.activation, 0.01, 0.25)?;
@@ -281,8 +294,8 @@ impl SceneFile {
             );
         }
         ensure!(
-            watchable == Watchable::Actuator || self.planes.is_empty(),
-            "[[plane]] wants a clamped part: a network or an STL file"
+            !self.load.linear || self.planes.is_empty(),
+            "[load] linear knows no contact; take the [[plane]] away, or walk the path"
         );
         ensure!(
             watchable != Watchable::Actuator || !self.load.linear,
@@ -405,6 +418,16 @@ impl SceneFile {
         }
     }
 
+    /// The planes, their barriers fit for `pressure`, MPa.
+    pub(super) fn plane_settings(&self, pressure: f64) -> Vec<PlaneSettings> {
+        let settings = |plane: &Plane| PlaneSettings {
+            friction: plane.friction,
+            elastic_slip: plane.elastic_slip,
+            ..PlaneSettings::new(Vec3::from(plane.normal).normalize(), plane.distance, pressure)
+        };
+        self.planes.iter().map(settings).collect()
+    }
+
     /// What the part is made from; files are found beside the scene file at `path`, networks by `read`.
     pub(super) fn source(
         &self,
@@ -433,6 +456,8 @@ impl SceneFile {
     }
 }
 
+/// Beyond, nothing slides.
+const MOST_FRICTION: f64 = 100.0;
 /// 6 make some 80 000 triangles.
 const MOST_SUBDIVISIONS: usize = 6;
 
@@ -450,6 +475,7 @@ const LIST_EXAMPLES: &str = "
 # [[plane]]
 # normal = [1.0, 0.0, 0.0]
 # distance = 5.0
+# friction = 0.4  # Coulomb's coefficient; 0 computes none
 
 # A number followed along the path, in watches.csv: tip with a direction, chord-angle, volume-growth, stored-energy.
 # [[watch]]

@@ -53,7 +53,7 @@ impl Shape {
         }
         let mesh = closed_part::shell(scene, source)?;
         let support = closed_part::support(source, &mesh);
-        let planes = closed_part::planes(scene, &mesh);
+        let planes = scene.plane_settings(scene.load_settings().pressure);
         let model = ShellModel::new(&mesh, &scene.material.material()?, &support, &planes)
             .map_err(|rejected| anyhow!("{rejected}"))?;
         let watches = watches_of_closed(scene, &mesh)?;
@@ -129,6 +129,7 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
     for moment in &scene.moments {
         loads.moments.push((moment.side, moment.per_length()?));
     }
+    loads.planes = scene.plane_settings(loads.mean_pressure(&patch));
     let material = scene.material.material()?;
     let model = ShellModel::of_patch(&patch, scene.wall.element, &material, &loads)
         .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;

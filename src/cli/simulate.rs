@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::{Context, anyhow, ensure};
 use serde::Serialize;
 
-use super::closed_part::{planes, shell};
+use super::closed_part::shell;
+use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_path, write_surface, write_watches};
 use super::material::instability;
 use super::provenance::Provenance;
@@ -41,6 +42,8 @@ struct Summary {
     stored_energy: f64,
     /// N.
     plane_force: f64,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    planes: Vec<PlaneSummary>,
     ending: Ending,
     newton_iterations: usize,
     unknowns: usize,
@@ -71,7 +74,7 @@ pub(super) fn run(
     let surface = SurfaceQuality::of(&mesh.surface)?;
     let meshing = cpu_seconds() - start;
 
-    let planes = planes(&scene, &mesh);
+    let planes = scene.plane_settings(scene.load_settings().pressure);
     let material = scene.material.material()?;
     instability(&material).iter().for_each(|line| warn(line));
     let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &planes)
@@ -96,6 +99,7 @@ pub(super) fn run(
         work: last.work,
         stored_energy: last.stored_energy,
         plane_force: last.plane_force,
+        planes: plane_summaries(&model, &walked.points),
         ending: walked.ending,
         newton_iterations: rows.iter().map(|row| row.newton_iterations).sum(),
         unknowns: model.unknowns(),
@@ -113,6 +117,7 @@ pub(super) fn run(
     atomic::write(&folder.file("scene.toml"), toml::to_string(&scene)?.as_bytes())?;
     write_surface(folder.path(), &mesh)?;
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
+    write_contact(folder.path(), &model, &walked.points)?;
     if !scene.watches.is_empty() {
         let largest = scene.load_settings().pressure;
         let curves: Vec<_> = watches_of_closed(&scene, &mesh)?

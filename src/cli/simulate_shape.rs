@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use serde::Serialize;
 
+use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_pictures, write_watches};
 use super::provenance::Provenance;
 use super::say;
@@ -45,6 +46,8 @@ struct Summary<'a> {
     watches: Vec<Watch<'a>>,
     stored_energy: f64,
     max_displacement: f64,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    planes: Vec<PlaneSummary>,
     ending: Ending,
     linear: bool,
     newton_iterations: usize,
@@ -111,6 +114,7 @@ pub(super) fn run(
         watches: final_values,
         stored_energy: last.stored_energy,
         max_displacement: last.max_displacement,
+        planes: plane_summaries(&shape.model, &walked.points),
         ending: walked.ending,
         linear: scene.load.linear,
         newton_iterations: rows.iter().map(|row| row.newton_iterations).sum(),
@@ -123,6 +127,7 @@ pub(super) fn run(
     atomic::write(&folder.file("scene.toml"), toml::to_string(scene)?.as_bytes())?;
     stl::write(&folder.file("surface.stl"), &shape.surface)?;
     csv::write(&folder.file("path.csv"), &rows)?;
+    write_contact(folder.path(), &shape.model, &walked.points)?;
     write_watches(folder.path(), watches())?;
     write_pictures(folder.path(), "path", &shape.surface, &shape.model, &walked.points)?;
     write_json(&folder.file("summary.json"), &summary)?;

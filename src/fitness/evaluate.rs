@@ -112,7 +112,7 @@ pub fn evaluate(
     backend: Backend,
 ) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
     let normal = Vec3::from(fitness.plane_normal).normalize();
-    let plane = PlaneSettings::before(mesh, normal, fitness.plane_distance, load.pressure);
+    let plane = PlaneSettings::new(normal, fitness.plane_distance, load.pressure);
     let mut model = match ShellModel::new(mesh, material, &Support::Clamp, &[plane]) {
         Ok(model) => model,
         Err(rejected) => return Ok(Err(rejected)),
@@ -125,7 +125,7 @@ pub fn evaluate(
         return Ok(Err(rejected));
     }
     let free_rows = observations(mesh, &model, &free.points);
-    let touching = free.points.iter().position(|p| model.smallest_gap(&p.x) < plane.activation);
+    let touching = free.points.iter().position(|point| model.touches_plane(&point.x));
     model.lift_planes(false);
     let blocked = match touching {
         None => free.clone(),

@@ -84,6 +84,20 @@ impl LocalDerivatives {
         &mut self.hessian[range]
     }
 
+    /// Adds the derivatives of a function of the point `sum_i weights_i x_i`: its `gradient` and `hessian` there.
+    pub fn add_of_point(&mut self, weights: &[f64], gradient: Vec3, hessian: &Matrix3<f64>) {
+        for (sum, weight) in self.gradient.iter_mut().zip(weights) {
+            *sum += *weight * gradient;
+        }
+        if self.with_hessian {
+            for (j, wj) in weights.iter().enumerate() {
+                for (i, wi) in weights.iter().enumerate().skip(j) {
+                    *self.block_mut(i, j) += wi * wj * hessian;
+                }
+            }
+        }
+    }
+
     /// The number of lower blocks before those of column `j`.
     #[inline]
     pub(super) fn column_start(&self, j: usize) -> usize {

@@ -1,5 +1,6 @@
 //! The model of an open patch: its supports, its loads.
 
+use super::contact::PlaneSettings;
 use super::discretization::Discretization;
 use super::edge_support::{EdgeSupport, EdgeSupports};
 use super::load::{DeadLoad, EdgeMoment, Loaded};
@@ -22,6 +23,36 @@ pub struct PatchLoads {
     pub dead: Vec<DeadLoad>,
     /// Moments per length (N mm / mm) along sides; the vector is the axis, to which the side is parallel and stays so.
     pub moments: Vec<(Side, Vec3)>,
+    /// Rigid planes, which either face may touch.
+    pub planes: Vec<PlaneSettings>,
+}
+
+impl PatchLoads {
+    /// The sizes of all loads on `patch`, over its area: the scale of the pressure on a plane, MPa.
+    ///
+    /// A moment counts as the force that makes it over the patch's width, the root of its area.
+    #[must_use]
+    pub fn mean_pressure(&self, patch: &Patch) -> f64 {
+        let area = patch.surface.area();
+        let edges = patch.boundary_edges();
+        let length = |side: Side| -> f64 {
+            let ends = edges.iter().filter(|edge| edge.side == side).map(|edge| edge.ends);
+            ends.map(|ends| {
+                let [a, b] = ends.map(|v| patch.surface.positions[v as usize]);
+                (b - a).norm()
+            })
+            .sum()
+        };
+        let force = |load: &DeadLoad| match *load {
+            DeadLoad::Point { force, .. } => force.norm(),
+            DeadLoad::Edge { side, per_length } => per_length.norm() * length(side),
+            DeadLoad::Area { per_area } => per_area.norm() * area,
+        };
+        let moment = |(side, per_length): &(Side, Vec3)| per_length.norm() * length(*side);
+        let forces = self.dead.iter().map(force).sum::<f64>();
+        let moments = self.moments.iter().map(moment).sum::<f64>();
+        self.pressure.abs() + (forces + moments / area.sqrt()) / area
+    }
 }
 
 impl ShellModel {
@@ -69,6 +100,7 @@ impl ShellModel {
                 "nothing of the patch can move; it wants more cells between its held sides";
             return Err(Rejected::new(Room::Model, "nothing_moves", detail.to_owned(), 1.0));
         }
+        model.place(&loads.planes, patch.thickness);
         model.pressure = loads.pressure;
         model.forces = forces;
         let rest = vec![0.0; model.unknowns()];

@@ -1,14 +1,14 @@
 //! The model of one part: a wall, the loads on it, and the planes it may touch.
 //!
 //! ```text
-//! E(u) = W(u) - p V(u) - f . u - moments(u) + barriers(u)       u = displacement of the nodes
+//! E(u) = W(u) - p V(u) - f . u - moments(u) + barriers(u) + friction(u)       u = displacement of the nodes
 //! ```
 //!
 //! What a scene does not list is not assembled: without planes there is no contact term at all.
 
 use super::assembly::{Assembler, Slots};
 use super::contact::self_contact::Folds;
-use super::contact::{PlaneContact, PlaneSettings};
+use super::contact::{PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
 use super::element::SampledSurface;
@@ -35,8 +35,7 @@ pub struct ShellModel {
     pub(super) forces: Vec<Vec3>,
     moments: Option<(Tied<EdgeMoment>, Slots)>,
     load: f64,
-    planes: Vec<(PlaneContact, Slots)>,
-    planes_lifted: bool,
+    pub(super) planes: Planes,
     pub(super) folds: Folds,
     /// None where they are to be found anew.
     pub(super) fold_slots: Option<Slots>,
@@ -79,22 +78,18 @@ impl ShellModel {
             }
             Support::Unknowns(unknowns) => unknowns.clone(),
         };
-        let planes: Vec<PlaneContact> = planes
-            .iter()
-            .map(|&plane| {
-                PlaneContact::new(&parts.surface, &parts.reference, mesh.thickness, plane)
-            })
-            .collect();
         let chamber = ChamberPressure::new(&parts.points);
         let mut model = Self::assembled(parts, Some(chamber), None, held, material);
         model.pressure = 1.0;
         model.watch_folds(true);
-        let slots = planes.into_iter().map(|plane| {
-            let slots = model.assembler.slots(&plane);
-            (plane, slots)
-        });
-        model.planes = slots.collect();
+        model.place(planes, mesh.thickness);
         Ok(model)
+    }
+
+    /// Places `planes` before the wall of `thickness`, mm.
+    pub(super) fn place(&mut self, planes: &[PlaneSettings], thickness: f64) {
+        let Self { surface, reference, ties, assembler, .. } = self;
+        self.planes = Planes::new(planes, surface, reference, thickness, ties, assembler);
     }
 
     /// The model of `parts`; the loads are still to be set.
@@ -130,8 +125,7 @@ impl ShellModel {
             pressure: 0.0,
             forces: Vec::new(),
             load: 0.0,
-            planes: Vec::new(),
-            planes_lifted: false,
+            planes: Planes::default(),
             folds: Folds::new(parts.points, parts.thickness),
             fold_slots: None,
             dirichlet: Dirichlet::new(assembler.pattern(), held),
@@ -166,11 +160,6 @@ impl ShellModel {
         self.chamber.as_ref().map_or(0.0, |chamber| chamber.inner().volume(&self.displaced(u)))
     }
 
-    /// Takes the planes of the scene away, or puts them back; only [`Self::smallest_gap`] still sees lifted planes.
-    pub fn lift_planes(&mut self, lifted: bool) {
-        self.planes_lifted = lifted;
-    }
-
     /// Sets the stretch beyond which the part is said to balloon; [`super::DEFAULT_STRETCH_BOUND`] unless set.
     pub fn set_stretch_bound(&mut self, bound: f64) {
         self.stretch_bound.bound = bound;
@@ -188,39 +177,24 @@ impl ShellModel {
         self.wall.inner().creased_share()
     }
 
-    /// The force with which the part presses on the planes of the scene, N.
-    #[must_use]
-    pub fn plane_force(&self, u: &[f64]) -> f64 {
-        if self.planes_lifted {
-            return 0.0;
-        }
-        let positions = self.displaced(u);
-        self.planes
-            .iter()
-            .map(|(plane, _)| plane.force(&positions))
-            .fold(0.0, |sum, force| sum + force)
-    }
-
-    /// The smallest gap to a plane of the scene, mm; infinite without planes.
-    #[must_use]
-    pub fn smallest_gap(&self, u: &[f64]) -> f64 {
-        let positions = self.displaced(u);
-        self.planes.iter().map(|(p, _)| p.smallest_gap(&positions)).fold(f64::INFINITY, f64::min)
-    }
-
     /// Displacements of the mesh's vertices, mm.
     #[must_use]
     pub fn vertex_displacements(&self, u: &[f64]) -> Vec<Vec3> {
+        let u = self.displacements(u);
+        self.surface.samples[..self.surface.vertices].iter().map(|s| s.point(&u)).collect()
+    }
+
+    /// Displacements of all nodes, mm.
+    fn displacements(&self, u: &[f64]) -> Vec<Vec3> {
+        assert_eq!(u.len(), self.unknowns());
         let mut u: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
         self.ties.displace(&mut u);
-        self.surface.samples[..self.surface.vertices].iter().map(|s| s.point(&u)).collect()
+        u
     }
 
     /// Positions of all nodes, mm.
     pub(super) fn displaced(&self, u: &[f64]) -> Vec<Vec3> {
-        let mut x: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
-        assert_eq!(x.len(), self.reference.len());
-        self.ties.displace(&mut x);
+        let mut x = self.displacements(u);
         x.iter_mut().zip(&self.reference).for_each(|(x, reference)| *x += reference);
         x
     }
@@ -243,9 +217,7 @@ impl ShellModel {
         if let Some((moments, slots)) = &mut self.moments {
             *slots = assembler.slots(moments);
         }
-        for (plane, slots) in &mut self.planes {
-            *slots = assembler.slots(plane);
-        }
+        self.planes.plan(assembler);
         self.fold_slots = None;
         self.dirichlet = self.dirichlet.with_pattern(self.assembler.pattern());
     }
@@ -289,10 +261,8 @@ impl ShellModel {
         if let Some((moments, slots)) = &self.moments {
             energy += add(moments, slots)?;
         }
-        if !self.planes_lifted {
-            for (plane, slots) in &self.planes {
-                energy += add(plane, slots)?;
-            }
+        for (term, slots) in self.planes.terms() {
+            energy += add(term, slots)?;
         }
         if let Some(contact) = &self.folds.contact {
             let none = Slots::default();
@@ -321,10 +291,8 @@ impl System for ShellModel {
         if let Some((moments, _)) = &self.moments {
             energy += self.assembler.energy(moments, &positions)?;
         }
-        if !self.planes_lifted {
-            for (plane, _) in &self.planes {
-                energy += self.assembler.energy(plane, &positions)?;
-            }
+        for (term, _) in self.planes.terms() {
+            energy += self.assembler.energy(term, &positions)?;
         }
         self.list_folds(u);
         if let Some(contact) = &self.folds.contact {
@@ -348,12 +316,10 @@ impl System for ShellModel {
 
     fn longest_step(&self, u: &[f64], du: &[f64]) -> f64 {
         let of_folds = self.longest_step_of_folds(u, du);
-        if self.planes.is_empty() || self.planes_lifted {
+        if self.planes.is_empty() {
             return of_folds;
         }
-        let positions = self.displaced(u);
-        let du: Vec<Vec3> = du.as_chunks().0.iter().map(|&du: &[f64; 3]| du.into()).collect();
-        self.planes.iter().map(|(p, _)| p.longest_step(&positions, &du)).fold(of_folds, f64::min)
+        self.planes.longest_step(&self.displaced(u), &self.displacements(du)).min(of_folds)
     }
 
     fn force_scale(&self) -> f64 {
@@ -416,7 +382,20 @@ impl LoadedSystem for ShellModel {
         if let Some((moments, _)) = &mut self.moments {
             moments.inner_mut().settle(&positions);
         }
-        0.0
+        self.planes.settle(u, &positions)
+    }
+
+    fn refresh(&mut self, u: &[f64]) -> f64 {
+        let positions = self.displaced(u);
+        self.planes.refresh(&positions)
+    }
+
+    fn rewind(&mut self) {
+        self.planes.rewind();
+    }
+
+    fn dissipates(&self) -> bool {
+        self.planes.are_rough()
     }
 
     fn passed_limit(&self, u: &[f64]) -> Option<Limit> {
@@ -446,15 +425,8 @@ mod tests {
     /// A clamped, pressurised shell near a plane, far from rest; its state; which unknowns are held.
     fn loaded(seed: u64) -> (ShellModel, Vec<f64>, Vec<bool>) {
         let shell = TestShell::new(seed);
-        let plane = |offset| PlaneSettings {
-            normal: [0.48, -0.6, 0.64],
-            offset,
-            activation: 3.0,
-            stiffness: 0.7,
-        };
-        let new = |offset| {
-            ShellModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &[plane(offset)]).unwrap()
-        };
+        let plane = PlaneSettings::new(Vec3::new(0.48, -0.6, 0.64), 5.0, 0.01);
+        let mut model = ShellModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &[plane]).unwrap();
         let moved = shell.deformed.iter().zip(&shell.reference).map(|(x, rest)| x - rest);
         let mut u: Vec<f64> = moved.flat_map(|u| [u.x, u.y, u.z]).collect();
         let mut held = vec![false; u.len()];
@@ -466,7 +438,8 @@ mod tests {
                 }
             }
         }
-        let mut model = new(new(0.0).smallest_gap(&u) - 0.4);
+        // A third of the activation, so that the differences are fine enough for the barrier.
+        model.planes.raise(model.smallest_gap(&u) - 0.03);
         model.set_load(0.03);
         assert!(held.contains(&true) && held.contains(&false));
         (model, u, held)

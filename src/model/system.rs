@@ -128,6 +128,14 @@ pub trait LoadedSystem: System {
         0.0
     }
 
+    /// Takes back what was refreshed since the last accepted equilibrium: the attempt was given up.
+    fn rewind(&mut self) {}
+
+    /// Whether some of the work may be given off as heat on a path without snaps.
+    fn dissipates(&self) -> bool {
+        false
+    }
+
     /// The first bound of the model's validity that `x [n]` has passed.
     fn passed_limit(&self, x: &[f64]) -> Option<Limit> {
         let _ = x;

@@ -57,6 +57,7 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
                 return Ok(missed.ending);
             }
             Err(_) => {
+                walk.system.rewind();
                 walk.cuts += 1;
                 step *= 0.5;
                 if step / part < LOAD_HALVED {

@@ -98,6 +98,14 @@ impl LoadedSystem for Damped<'_> {
         self.system.refresh(x)
     }
 
+    fn rewind(&mut self) {
+        self.system.rewind();
+    }
+
+    fn dissipates(&self) -> bool {
+        self.system.dissipates()
+    }
+
     fn passed_limit(&self, x: &[f64]) -> Option<Limit> {
         self.system.passed_limit(x)
     }

@@ -195,6 +195,9 @@ pub fn follow(
         spent: 0,
         place: None,
     };
+    if let Some(last) = walk.points.last() {
+        walk.system.settle(&last.x);
+    }
     let ending = match programme {
         Programme::Driven { end, .. } => walk.drive_to(end)?,
         Programme::Curve { end } => curve::trace(&mut walk, end)?,
@@ -330,6 +333,7 @@ impl Walk<'_> {
                     return Ok(Some(Ending::BudgetSpent));
                 }
                 _ if may_halve => {
+                    self.system.rewind();
                     self.step = halved;
                     self.cuts += 1;
                     self.place = None;
@@ -340,6 +344,7 @@ impl Walk<'_> {
                     return Ok(Some(ending));
                 }
                 unresolved => {
+                    self.system.rewind();
                     let saddle = unresolved.err().and_then(|missed| missed.unstable);
                     match self.fall_beyond(step, target, saddle)? {
                         Ok(mut point) => {
@@ -408,7 +413,8 @@ impl Walk<'_> {
         let stored = point.stored_energy - last.stored_energy;
         let work = point.work - last.work;
         let scale = point.work.abs().max(last.work.abs());
-        (work - stored).abs() <= self.settings.work_tolerance * scale
+        let tolerance = self.settings.work_tolerance * scale + self.system.energy_rounding();
+        stored - work <= tolerance && (work - stored <= tolerance || self.system.dissipates())
     }
 
     /// The stable equilibrium near `guess` at `drive`, over `most_shifted` indefinite tangents at most.
@@ -577,7 +583,7 @@ const NEAR: f64 = 0.2;
 const FURTHER: f64 = 4.0;
 const FURTHEST: f64 = 15.0;
 /// Solves of one state until what the energy takes as constant agrees with it.
-const REFRESHES: usize = 12;
+const REFRESHES: usize = 30;
 /// How well it has to agree.
 const REFRESHED: f64 = 1e-4;
 

@@ -51,9 +51,7 @@ impl Walk<'_> {
         };
         let last = self.last();
         let stored = point.stored_energy - last.stored_energy;
-        let work = point.work - last.work;
-        let tolerance = self.settings.work_tolerance * point.work.abs();
-        if (work - stored).abs() > tolerance || from_bifurcation {
+        if from_bifurcation || !self.resolves(&point) {
             point.work = last.work + work_at_once(last, &point);
             let released = point.work - last.work - stored;
             point.snap = Some(Snap { released, from_bifurcation });

@@ -17,7 +17,7 @@ use pneumorph::math::Vec3;
 use pneumorph::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use pneumorph::model::contact::PlaneSettings;
 use pneumorph::model::material::{Material, NeoHookean};
-use pneumorph::model::system::System;
+use pneumorph::model::system::{LoadedSystem, System};
 use pneumorph::model::{ShellModel, Support};
 use pneumorph::solve::{Backend, Ending, PathPoint, PathSettings, follow};
 
@@ -30,7 +30,7 @@ fn shell() -> ShellMesh {
 
 /// The path to full pressure, with a plane so many millimetres away where one is given.
 fn walked(mesh: &ShellMesh, backend: Backend, plane: Option<f64>) -> (ShellModel, Vec<PathPoint>) {
-    let before = |distance| PlaneSettings::before(mesh, Vec3::x(), distance, PRESSURE);
+    let before = |distance| PlaneSettings::new(Vec3::x(), distance, PRESSURE);
     let planes: Vec<PlaneSettings> = plane.map(before).into_iter().collect();
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
     let mut model = ShellModel::new(mesh, &material, &Support::Clamp, &planes).unwrap();
@@ -109,6 +109,31 @@ fn plane_blocks_the_part() {
     let exact = (near - far) / 0.2;
     let force = forces[forces.len() - 1];
     assert!((force / exact - 1.0).abs() < 1e-3, "{force} {exact}");
+}
+
+/// The pressure on a closed surface has no resultant: what the clamp bears, which is the residual at its nodes when nothing is
+/// held, is what the plane takes; to 1e-6 of it, as Newton's method stops at 1e-9 of a larger scale.
+#[test]
+fn clamp_bears_what_the_plane_takes() {
+    let mesh = shell();
+    let (model, points) = walked(&mesh, Backend::Native, Some(5.0));
+    let u = &points.last().unwrap().x;
+    let plane = model.plane_states(u)[0];
+    assert!((plane.force.x + model.plane_force(u)).abs() < 1e-12 * model.plane_force(u));
+    assert!(plane.bearing_area > 0.0 && plane.bearing_area <= plane.area);
+    let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
+    let settings = PlaneSettings::new(Vec3::x(), 5.0, PRESSURE);
+    let free = Support::Unknowns(Vec::new());
+    let mut free = ShellModel::new(&mesh, &material, &free, &[settings]).unwrap();
+    free.set_load(PRESSURE);
+    let mut residual = vec![0.0; u.len()];
+    free.residual(u, &mut residual).unwrap();
+    let held: std::collections::BTreeSet<u32> =
+        mesh.clamp.iter().flat_map(|&v| mesh.rings.ring(v).iter().copied().chain([v])).collect();
+    let reaction: Vec3 =
+        held.iter().map(|&v| Vec3::from_fn(|axis, _| residual[3 * v as usize + axis])).sum();
+    let size = plane.force.norm();
+    assert!((reaction - plane.force).norm() < 1e-6 * size, "{reaction} {}", plane.force);
 }
 
 /// Two independent factorisations and Newton loops walk through the same states.

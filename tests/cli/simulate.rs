@@ -159,10 +159,92 @@ fn the_outer_wall_stays_before_the_plane_and_presses_on_it() {
     assert!(forces.is_sorted(), "{forces:?}");
     assert_eq!(run.json("out/summary.json")["plane_force"].as_f64(), forces.last().copied());
 
+    let rows = run.read("out/contact.csv");
+    let header = "step,plane,load,force_x,force_y,force_z,friction_x,friction_y,friction_z,\
+         centre_x,centre_y,centre_z,area,bearing_area,smallest_gap";
+    assert_eq!(rows.lines().next(), Some(header));
+    for (pressed, force) in run.column("out/contact.csv", "force_x").iter().zip(&forces) {
+        assert_eq!(*pressed, -force);
+    }
+    let summary = run.json("out/summary.json");
+    let centre = &summary["planes"][0]["centre"];
+    // The plane lies half the thickness beyond the leftmost point, and its distance; midpoints of edges may stand out.
+    let lies_at = plane - 0.8;
+    assert!((centre[0].as_f64().unwrap() - lies_at).abs() < 0.1, "{centre} {lies_at}");
+    assert!(summary["planes"][0]["area"].as_f64() >= summary["planes"][0]["bearing_area"].as_f64());
+
     let free = simulated(SCENE, "native");
+    assert!(!free.path("out/contact.csv").exists());
+    assert!(free.json("out/summary.json").get("planes").is_none());
     let reach = |run: &Workshop| leftmost(&vertices(run, "out/path_004.vtu"));
     assert!(reach(&free) < plane, "without the plane the part would pass it");
 }
+
+/// A strip between two planes is pressed on the lower one by its load.
+#[test]
+fn a_patch_lies_on_its_plane() {
+    let workshop = Workshop::new();
+    workshop.write("scene.toml", PLATE);
+    let out = workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
+    assert!(out.starts_with("reached at load 1.0000"), "{out}");
+    let summary = workshop.json("out/summary.json");
+    let vector = |plane: usize, key: &str| -> Vec<f64> {
+        let numbers = summary["planes"][plane][key].as_array().unwrap();
+        numbers.iter().map(|number| number.as_f64().unwrap()).collect()
+    };
+    // A strip of 20 x 4 mm under 0.001 MPa: the middle lies on the plane and leaves a part of the load to the clamps.
+    let force = vector(0, "force");
+    assert!(force[0] == 0.0 && force[1] == 0.0, "{force:?}");
+    assert!((-0.08..-0.02).contains(&force[2]), "{force:?}");
+    assert_eq!(vector(1, "force"), [0.0; 3]);
+    assert_eq!(summary["planes"][1]["centre"], serde_json::Value::Null);
+    assert!((vector(0, "centre")[0] - 10.0).abs() < 0.1);
+    let gaps = workshop.column("out/contact.csv", "smallest_gap");
+    assert!(gaps.iter().all(|gap| *gap > 0.0));
+}
+
+const PLATE: &str = r#"
+[part.patch]
+s = [0, 20]
+t = [0, 4]
+cells = [10, 2]
+x = "s"
+y = "t"
+z = "0"
+
+[wall]
+thickness = 0.5
+
+[material]
+law = "neo-hookean"
+mu = 1.0
+
+[[edge]]
+side = "s0"
+clamped = true
+
+[[edge]]
+side = "s1"
+clamped = true
+
+[[force]]
+per_area = [0, 0, -0.001]
+
+[[plane]]
+normal = [0, 0, 1]
+distance = 0.1
+friction = 0.5
+
+[[plane]]
+normal = [0, 0, -1]
+distance = 0.1
+
+[load.path]
+steps = 4
+
+[solver]
+backend = "native"
+"#;
 
 /// Newton stops at 1e-12 of the force scale, so that 1e-8 of the displacement has a margin.
 #[cfg(feature = "petsc")]

@@ -230,8 +230,8 @@ fn planes_that_are_none_are_told() {
         ("[1, 0, 0]", "0", "[[plane]] distance is 0.0, but it must be a positive number"),
         (
             "[1, 0, 0]",
-            "0.1",
-            "[[plane]] distance is 0.1, but the plane must stand at least 0.320 mm",
+            "1e-7",
+            "[[plane]] distance is 1e-7, but it must lie between 1e-6 and 1000000000000.0",
         ),
         ("[1, 0, 0]", "-2", "[[plane]] distance is -2.0, but it must be a positive number"),
     ] {

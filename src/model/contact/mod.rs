@@ -1,7 +1,14 @@
 //! Contact with things that do not move, and of the wall with itself.
 
+mod friction;
 mod plane;
+mod planes;
 pub(super) mod self_contact;
+#[cfg(test)]
+mod tests;
 
+pub use friction::Friction;
 pub use plane::{PlaneContact, PlaneSettings};
+pub use planes::PlaneState;
+pub(in crate::model) use planes::Planes;
 pub use self_contact::SelfContactSettings;
