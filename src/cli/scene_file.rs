@@ -49,7 +49,7 @@ pub(super) struct SceneFile {
     pub edges: Vec<EdgeSection>,
     #[serde(default, rename = "pin", skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<PinSection>,
-    /// For a patch: dead loads, instead of a pressure.
+    /// For a patch: forces, with or instead of a pressure.
     #[serde(default, rename = "force", skip_serializing_if = "Vec::is_empty")]
     pub forces: Vec<ForceSection>,
     #[serde(default, rename = "moment", skip_serializing_if = "Vec::is_empty")]
@@ -110,12 +110,24 @@ pub(super) struct LoadSection {
     pub pressure: Option<f64>,
     /// Whether the answer is that of the linear theory: one linear solve at rest.
     pub linear: bool,
+    /// Whether every equilibrium is traced, through limit points, stable or not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub curve: bool,
+    /// Of a closed part: the largest enclosed volume over that at rest; the volume is prescribed, and the pressure follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<f64>,
     pub path: PathSettings,
 }
 
 impl Default for LoadSection {
     fn default() -> Self {
-        Self { pressure: None, linear: false, path: LoadSettings::default().path }
+        Self {
+            pressure: None,
+            linear: false,
+            curve: false,
+            volume: None,
+            path: LoadSettings::default().path,
+        }
     }
 }
 
@@ -209,6 +221,14 @@ impl SceneFile {
             watchable != Watchable::Actuator || !self.load.linear,
             "[load] linear wants a patch, a sphere or an ellipsoid"
         );
+        ensure!(
+            !(self.load.linear && (self.load.curve || self.load.volume.is_some())),
+            "[load] linear is one step; there is no `curve` and no `volume` to follow"
+        );
+        if let Some(volume) = self.load.volume {
+            ensure!(patch.is_none(), "[load] volume wants a closed part, not a [part.patch]");
+            within("[load] volume", volume, 1.0, MOST_GROWTH)?;
+        }
         if let Some(patch) = patch {
             patch.check()?;
             conditions.check(patch)?;
@@ -310,6 +330,9 @@ impl SceneFile {
     }
 }
 
+/// A hundred times as wide: no rubber stretches that far.
+const MOST_GROWTH: f64 = 1e6;
+
 /// 6 make some 80 000 triangles.
 const MOST_SUBDIVISIONS: usize = 6;
 
@@ -338,7 +361,7 @@ const LIST_EXAMPLES: &str = "
 # side = \"t0\"  # or s0, s1, t1
 # clamped = true  # or symmetry = \"y\", or hold = [\"x\", \"z\"]
 # [[force]]
-# per_area = [0, 0, -1e-4]  # MPa; or at with force, or side with per_length
+# per_area = [0, 0, -1e-4]  # MPa; or at with force, or side with per_length, which `follower = true` turns with the wall
 ";
 
 /// A scene file with every default, as TOML.

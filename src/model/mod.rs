@@ -22,6 +22,6 @@ mod test_shells;
 mod tie;
 
 pub use edge_support::{EdgeSupport, EdgeSupports};
-pub use load::DeadLoad;
+pub use load::{DeadLoad, FollowerForce};
 pub use patch_model::PatchLoads;
 pub use shell_model::{ShellModel, Support};

@@ -2,7 +2,7 @@
 
 use super::discretization::Discretization;
 use super::edge_support::{EdgeSupport, EdgeSupports};
-use super::load::{DeadLoad, EdgeMoment, Loaded};
+use super::load::{DeadLoad, EdgeMoment, FollowerForce, FollowerLoads, Loaded};
 use super::material::Material;
 use super::shell_model::ShellModel;
 use super::system::LoadedSystem;
@@ -20,6 +20,8 @@ pub struct PatchLoads {
     pub pressure: f64,
     /// Loads that keep their direction.
     pub dead: Vec<DeadLoad>,
+    /// Forces that keep their angle to the wall.
+    pub followers: Vec<FollowerForce>,
     /// Moments per length (N mm / mm) along sides; the vector is the axis, to which the side is parallel and stays so.
     pub moments: Vec<(Side, Vec3)>,
 }
@@ -46,9 +48,15 @@ impl ShellModel {
             triangles: &patch.surface.triangles,
         };
         let mut forces = loaded.nodal_forces(&loads.dead);
-        let chamber = (loads.pressure != 0.0)
-            .then(|| parts.cut_chamber(patch, &loads.supports, |edge| loaded.points_of(edge)))
-            .transpose()?;
+        let mut carriers = parts.carriers(patch, &loads.followers, &loaded);
+        let mut chamber = None;
+        if loads.pressure != 0.0 {
+            let points_of = |edge: &BoundaryEdge| loaded.points_of(edge);
+            let (potential, rim) =
+                parts.pressure_of(patch, &loads.supports, loads.pressure, points_of)?;
+            chamber = Some(potential);
+            carriers.extend(rim);
+        }
         let (mut stencils, mut moment_edges) = (Vec::new(), Vec::new());
         for &(side, per_length) in &loads.moments {
             if loads.supports[side as usize] != EdgeSupport::Free {
@@ -71,6 +79,10 @@ impl ShellModel {
         }
         model.pressure = loads.pressure;
         model.forces = forces;
+        if !carriers.is_empty() {
+            let (stencils, followers) = carriers.into_iter().unzip();
+            model.follow_with(FollowerLoads::new(stencils, followers));
+        }
         let rest = vec![0.0; model.unknowns()];
         let mut load = rest.clone();
         model.load_direction(&rest, &mut load);

@@ -4,6 +4,8 @@
 //! E(u) = W(u) - p V(u) - f . u - moments(u) + barriers(u)       u = displacement of the nodes
 //! ```
 //!
+//! Follower forces of an open patch have no part in the energy: they act in the residual alone.
+//!
 //! What a scene does not list is not assembled: without planes there is no contact term at all.
 
 use super::assembly::{Assembler, Slots};
@@ -11,7 +13,7 @@ use super::contact::{PlaneContact, PlaneSettings};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
 use super::element::SampledSurface;
-use super::load::{ChamberPressure, EdgeMoment};
+use super::load::{ChamberPressure, EdgeMoment, FollowerLoads};
 use super::local::Term;
 use super::material::Material;
 use super::system::{Inadmissible, LoadedSystem, SparsityPattern, System};
@@ -32,6 +34,8 @@ pub struct ShellModel {
     /// Dead forces at a load of 1, by node, N; empty where there are none.
     pub(super) forces: Vec<Vec3>,
     moments: Option<(Tied<EdgeMoment>, Slots)>,
+    /// Forces without a potential.
+    followers: Option<(Tied<FollowerLoads>, Slots)>,
     load: f64,
     planes: Vec<(PlaneContact, Slots)>,
     planes_lifted: bool,
@@ -120,6 +124,7 @@ impl ShellModel {
                 let slots = assembler.slots(&term);
                 (term, slots)
             }),
+            followers: None,
             pressure: 0.0,
             forces: Vec::new(),
             load: 0.0,
@@ -136,6 +141,13 @@ impl ShellModel {
             assembler,
             reference,
         }
+    }
+
+    /// Adds forces without a potential.
+    pub(super) fn follow_with(&mut self, followers: FollowerLoads) {
+        let term = Tied::new(followers, &self.ties, &self.reference);
+        let slots = self.assembler.slots(&term);
+        self.followers = Some((term, slots));
     }
 
     /// The number of unknowns, held ones included.
@@ -243,6 +255,9 @@ impl ShellModel {
         if let Some((moments, slots)) = &self.moments {
             energy += add(moments, slots)?;
         }
+        if let Some((followers, slots)) = &self.followers {
+            add(followers, slots)?;
+        }
         if !self.planes_lifted {
             for (plane, slots) in &self.planes {
                 energy += add(plane, slots)?;
@@ -308,6 +323,27 @@ impl System for ShellModel {
     fn energy_rounding(&self) -> f64 {
         self.energy_rounding
     }
+
+    fn is_conservative(&self) -> bool {
+        self.followers.is_none()
+    }
+
+    fn add_circulatory_tangent(&self, u: &[f64], v: &[f64], out: &mut [f64]) {
+        let Some((followers, _)) = &self.followers else { return };
+        let mut free = v.to_vec();
+        self.dirichlet.apply_to_residual(&mut free);
+        let mut moved: Vec<Vec3> =
+            free.as_chunks().0.iter().map(|&v: &[f64; 3]| v.into()).collect();
+        self.ties.displace(&mut moved);
+        let mut change = vec![Vec3::zeros(); moved.len()];
+        followers.inner().add_circulation(&self.displaced(u), &moved, &mut change);
+        self.ties.reduce(&mut change);
+        for (free, change) in free.as_chunks_mut().0.iter_mut().zip(change) {
+            *free = change.into();
+        }
+        self.dirichlet.apply_to_residual(&mut free);
+        out.iter_mut().zip(free).for_each(|(out, change)| *out += change);
+    }
 }
 
 impl LoadedSystem for ShellModel {
@@ -318,6 +354,9 @@ impl LoadedSystem for ShellModel {
         }
         if let Some((moments, _)) = &mut self.moments {
             moments.inner_mut().load_factor = load;
+        }
+        if let Some((followers, _)) = &mut self.followers {
+            followers.inner_mut().load_factor = load;
         }
     }
 
@@ -341,6 +380,9 @@ impl LoadedSystem for ShellModel {
         }
         if let Some((moments, _)) = &self.moments {
             moments.inner().add_work_gradient(&positions, &mut gradient);
+        }
+        if let Some((followers, _)) = &self.followers {
+            followers.inner().add_forces(&positions, &mut gradient);
         }
         self.ties.reduce(&mut gradient);
         for (gradient, force) in gradient.iter_mut().zip(&self.forces) {

@@ -5,6 +5,7 @@
 
 mod backend;
 mod factor;
+mod krylov;
 mod line_search;
 mod native;
 mod observed;
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::model::system::System;
 
 pub use backend::Backend;
+pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use native::NativeSolver;
 pub use path::{Ending, Path, PathPoint, PathSettings, follow};
 #[cfg(feature = "petsc")]
