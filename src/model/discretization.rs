@@ -146,7 +146,11 @@ impl Discretization {
             let [a, b, middle] = points_of(edge);
             let points = &self.points[edge.triangle];
             let rows = points.weights.iter().map(|w| [w[a], w[middle], w[b]]).collect();
-            let open = OpenEdge { rows, pressure, origin };
+            let kept = match supports[edge.side as usize] {
+                EdgeSupport::Symmetry(axis) => Vec3::from_fn(|k, _| f64::from(k != axis)),
+                _ => Vec3::repeat(1.0),
+            };
+            let open = OpenEdge { rows, pressure, origin, kept };
             (points.nodes.clone(), Follower::OpenEdge(open))
         });
         Ok((ChamberPressure::cut(&self.points, Vec::new(), origin), followers.collect()))

@@ -42,7 +42,7 @@ const PRESSURE: [[f64; 4]; 11] = [
 ];
 
 const LENGTH: f64 = 10.0;
-const THICKNESS: f64 = 0.1;
+const THICKNESS: f64 = 0.05;
 const YOUNG_MODULUS: f64 = 1.2e6;
 /// Of a strip of width 1, N mm^2.
 const STIFFNESS: f64 = YOUNG_MODULUS * THICKNESS * THICKNESS * THICKNESS / 12.0;
@@ -159,24 +159,37 @@ fn errors(table: &[[f64; 4]], ends: &[[f64; 3]]) -> [f64; 3] {
     })
 }
 
+/// Walks the strip through the table's loads and compares; returns the most products with the circulation.
+#[track_caller]
+fn compare(strip: &mut Strip, table: &[[f64; 4]], tolerance: f64) -> usize {
+    let (ends, products) = strip.walk(table.iter().map(|row| row[0]), 1.0);
+    let errors = errors(table, &ends);
+    assert!(errors.iter().all(|error| *error < tolerance), "{errors:?}");
+    products
+}
+
+/// The meshes on which both elements are within 1 % of the largest value of each column; a strip whose sides stay in their planes
+/// turns its end about one axis, so that few products are needed.
 #[test]
-fn figures() {
-    for (name, table, loads) in
-        [("force", &TIP_FORCE[..], tip_force()), ("pressure", &PRESSURE[..], pressure())]
-    {
-        for (sides, n) in [(EdgeSupport::Symmetry(1), 1), (EdgeSupport::Free, 2)] {
-            for element in [ShellElement::Loop, ShellElement::MidEdge] {
-                for cells in [16, 32, 64] {
-                    let start = std::time::Instant::now();
-                    let mut strip = Strip::new([cells, n], element, sides, loads.clone());
-                    let (ends, products) = strip.walk(table.iter().map(|row| row[0]), 1.0);
-                    println!(
-                        "{name} {sides:?} {element:?} {cells}: {:.5?} products {products} {:.2?}",
-                        errors(table, &ends),
-                        start.elapsed()
-                    );
-                }
-            }
+fn strips_between_planes_are_elasticas() {
+    for (element, cells) in [(ShellElement::Loop, 32), (ShellElement::MidEdge, 64)] {
+        for (table, loads) in [(&TIP_FORCE[..], tip_force()), (&PRESSURE[..], pressure())] {
+            let mut strip = Strip::new([cells, 2], element, EdgeSupport::Symmetry(1), loads);
+            let products = compare(&mut strip, table, 0.01);
+            assert!(products <= 8, "{products}");
         }
+    }
+}
+
+/// A pressure has a rim along free sides too. Without a Poisson's ratio they change nothing, but for what Loop's surface makes of
+/// a corner that is clamped and free, which converges slowly.
+#[test]
+fn strips_with_free_sides_are_elasticas() {
+    for (element, cells, tolerance) in
+        [(ShellElement::Loop, 32, 0.02), (ShellElement::MidEdge, 64, 0.01)]
+    {
+        let mut strip = Strip::new([cells, 2], element, EdgeSupport::Free, pressure());
+        let products = compare(&mut strip, &PRESSURE, tolerance);
+        assert!(products <= 15, "{products}");
     }
 }

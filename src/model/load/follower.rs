@@ -80,6 +80,8 @@ pub struct OpenEdge {
     pub pressure: f64,
     /// From where the volume is measured, mm.
     pub origin: Vec3,
+    /// Ones, but for a zero along the normal of the plane of symmetry in which the edge lies: there nothing moves.
+    pub kept: Vec3,
 }
 
 impl FollowerLoads {
@@ -174,7 +176,8 @@ impl Follower {
                 let points = edge.points(x);
                 let mut by_point = [Vec3::zeros(); 3];
                 for ([a, b], w) in CHORDS {
-                    let force = edge.pressure * w / 6.0 * points[a].cross(&points[b]);
+                    let normal = points[a].cross(&points[b]);
+                    let force = edge.pressure * w / 6.0 * edge.kept.component_mul(&normal);
                     by_point[a] += force;
                     by_point[b] += force;
                 }
@@ -198,7 +201,7 @@ impl Follower {
                 let points = edge.points(x);
                 let mut by_point = [[Matrix3::zeros(); 3]; 3];
                 for ([a, b], w) in CHORDS {
-                    let factor = edge.pressure * w / 6.0;
+                    let factor = edge.pressure * w / 6.0 * Matrix3::from_diagonal(&edge.kept);
                     for row in [a, b] {
                         by_point[row][a] -= factor * points[b].cross_matrix();
                         by_point[row][b] += factor * points[a].cross_matrix();
@@ -313,7 +316,8 @@ mod tests {
 
     fn rim(points: &ElementPoints, along: [usize; 3], origin: Vec3) -> OpenEdge {
         let rows = points.weights.iter().map(|w| along.map(|point| w[point])).collect();
-        OpenEdge { rows, pressure: PRESSURE, origin }
+        let kept = Vec3::repeat(1.0);
+        OpenEdge { rows, pressure: PRESSURE, origin, kept }
     }
 
     /// Symmetric and skew part together are the derivative of the forces, and each is what its name says.
