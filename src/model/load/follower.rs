@@ -86,6 +86,9 @@ pub struct OpenEdge {
 
 impl FollowerLoads {
     /// The loads `followers` on the nodes `stencils`, each ascending.
+    ///
+    /// # Panics
+    /// When there are not as many of both.
     #[must_use]
     pub fn new(stencils: Vec<Vec<u32>>, followers: Vec<Follower>) -> Self {
         assert_eq!(stencils.len(), followers.len());
