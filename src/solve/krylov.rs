@@ -51,9 +51,9 @@ pub fn solve_unsymmetric(
         return Ok(report);
     }
     report.residual = 1.0;
-    // Orthonormal directions, the columns of the rotated Hessenberg matrix (a triangle), and the rotated right-hand side.
+    // Orthonormal directions, the columns of the rotated Hessenberg matrix (upper triangular), and the rotated right-hand side.
     let mut directions = vec![b.iter().map(|b| b / size).collect::<Vec<f64>>()];
-    let (mut triangle, mut rotations) = (Vec::<Vec<f64>>::new(), Vec::<[f64; 2]>::new());
+    let (mut upper, mut rotations) = (Vec::<Vec<f64>>::new(), Vec::<[f64; 2]>::new());
     let mut rotated = vec![size];
     while !report.has_converged() && report.iterations < MOST_ITERATIONS {
         let k = report.iterations;
@@ -83,7 +83,7 @@ pub fn solve_unsymmetric(
         rotated.push(-s * rotated[k]);
         rotated[k] *= c;
         rotations.push([c, s]);
-        triangle.push(column);
+        upper.push(column);
         report.iterations += 1;
         report.residual = rotated[k + 1].abs() / size;
         if rest <= f64::EPSILON * reach {
@@ -93,9 +93,9 @@ pub fn solve_unsymmetric(
         directions.push(next);
     }
     b.fill(0.0);
-    for i in (0..triangle.len()).rev() {
-        let later = (i + 1..triangle.len()).map(|j| triangle[j][i] * rotated[j]).sum::<f64>();
-        rotated[i] = (rotated[i] - later) / triangle[i][i];
+    for i in (0..upper.len()).rev() {
+        let later = (i + 1..upper.len()).map(|j| upper[j][i] * rotated[j]).sum::<f64>();
+        rotated[i] = (rotated[i] - later) / upper[i][i];
         add(b, rotated[i], &directions[i]);
     }
     solver.solve_linearized(b)?;
