@@ -18,6 +18,8 @@ mod simulate;
 mod simulate_shape;
 mod verify;
 mod verify_cases;
+#[cfg(test)]
+mod verify_curves;
 mod verify_section;
 mod watch;
 mod watch_curve;

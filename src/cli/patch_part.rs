@@ -1,4 +1,4 @@
-//! A part given by formulas, and what stands at its sides and vertices: supports and dead loads.
+//! A part given by formulas, and what stands at its sides and vertices: supports and forces.
 
 use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
@@ -51,7 +51,7 @@ pub(super) struct PinSection {
     pub hold: Vec<Axis>,
 }
 
-/// `[[force]]`: a dead force, at a vertex, along a side or over the whole surface.
+/// `[[force]]`: a force at a vertex, along a side or over the whole surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ForceSection {
@@ -68,6 +68,9 @@ pub(super) struct ForceSection {
     /// MPa, of the surface at rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub per_area: Option<[f64; 3]>,
+    /// Whether it turns with the wall at its place, instead of keeping its direction; not for `per_area`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub follower: bool,
 }
 
 /// `[[moment]]`: a dead moment along a side.
@@ -95,6 +98,10 @@ pub(super) enum Force {
     Point { at: [f64; 2], force: Vec3 },
     /// N/mm.
     Edge { side: Side, per_length: Vec3 },
+    /// N at `s`, `t` at rest, turning with the wall.
+    FollowerPoint { at: [f64; 2], force: Vec3 },
+    /// N/mm at rest, turning with the wall.
+    FollowerEdge { side: Side, per_length: Vec3 },
     /// MPa.
     Area { per_area: Vec3 },
 }
@@ -180,10 +187,26 @@ impl ForceSection {
         let vector = |name, f| load_vector(name, f);
         match (self.at, self.force, self.side, self.per_length, self.per_area) {
             (Some(at), Some(force), None, None, None) => {
-                Ok(Force::Point { at, force: vector("[[force]] force", force)? })
+                let force = vector("[[force]] force", force)?;
+                let follows = self.follower;
+                Ok(if follows {
+                    Force::FollowerPoint { at, force }
+                } else {
+                    Force::Point { at, force }
+                })
             }
             (None, None, Some(side), Some(f), None) => {
-                Ok(Force::Edge { side, per_length: vector("[[force]] per_length", f)? })
+                let per_length = vector("[[force]] per_length", f)?;
+                Ok(if self.follower {
+                    Force::FollowerEdge { side, per_length }
+                } else {
+                    Force::Edge { side, per_length }
+                })
+            }
+            (None, None, None, None, Some(_)) if self.follower => {
+                bail!(
+                    "[[force]] per_area keeps its direction; what follows the wall all over is [load] pressure"
+                )
             }
             (None, None, None, None, Some(f)) => {
                 Ok(Force::Area { per_area: vector("[[force]] per_area", f)? })
@@ -246,7 +269,7 @@ impl PatchConditions<'_> {
             patch.check_vertex("[[pin]] at", pin.at)?;
         }
         for force in self.forces {
-            if let Force::Point { at, .. } = force.acting()? {
+            if let Force::Point { at, .. } | Force::FollowerPoint { at, .. } = force.acting()? {
                 patch.check_vertex("[[force]] at", at)?;
             }
         }
@@ -329,6 +352,12 @@ mod tests {
             force("per_area = [0, 0, -90]").unwrap(),
             Force::Area { per_area: Vec3::new(0.0, 0.0, -90.0) }
         );
+        let per_length = Vec3::new(0.0, 0.0, 3.0);
+        assert_eq!(
+            force("side = \"s1\"\nper_length = [0, 0, 3]\nfollower = true").unwrap(),
+            Force::FollowerEdge { side: Side::S1, per_length }
+        );
+        assert!(force("per_area = [0, 0, -90]\nfollower = true").is_err());
         assert!(force("at = [0, 0]").is_err());
         assert!(force("at = [0, 0]\nper_area = [0, 0, -90]").is_err());
     }

@@ -54,7 +54,7 @@ pub(super) struct SceneFile {
     pub edges: Vec<EdgeSection>,
     #[serde(default, rename = "pin", skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<PinSection>,
-    /// For a patch: dead loads, instead of a pressure.
+    /// For a patch: forces, with or instead of a pressure.
     #[serde(default, rename = "force", skip_serializing_if = "Vec::is_empty")]
     pub forces: Vec<ForceSection>,
     #[serde(default, rename = "moment", skip_serializing_if = "Vec::is_empty")]
@@ -495,7 +495,7 @@ const LIST_EXAMPLES: &str = "
 # side = \"t0\"  # or s0, s1, t1
 # clamped = true  # or symmetry = \"y\", or hold = [\"x\", \"z\"]
 # [[force]]
-# per_area = [0, 0, -1e-4]  # MPa; or at with force, or side with per_length
+# per_area = [0, 0, -1e-4]  # MPa; or at with force, or side with per_length, which `follower = true` turns with the wall
 ";
 
 /// A scene file with every default, as TOML.

@@ -10,7 +10,7 @@ use super::watch_curve::WatchCurve;
 use crate::math::cpu_seconds;
 use crate::mesh::{Patch, ShellMesh, Side};
 use crate::model::system::{LoadedSystem, System};
-use crate::model::{DeadLoad, EdgeSupports, PatchLoads, ShellModel};
+use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PatchLoads, ShellModel};
 use crate::solve::{Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, follow};
 use crate::surface::TriangleMesh;
 
@@ -120,11 +120,20 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
         loads.pins.extend((0..3).filter(|&axis| held[axis]).map(|axis| (vertex, axis)));
     }
     for force in &scene.forces {
-        loads.dead.push(match force.acting()? {
+        let dead = match force.acting()? {
             Force::Point { at, force } => DeadLoad::Point { vertex: vertex(at)?, force },
             Force::Edge { side, per_length } => DeadLoad::Edge { side, per_length },
             Force::Area { per_area } => DeadLoad::Area { per_area },
-        });
+            Force::FollowerPoint { at, force } => {
+                loads.followers.push(FollowerForce::Point { vertex: vertex(at)?, force });
+                continue;
+            }
+            Force::FollowerEdge { side, per_length } => {
+                loads.followers.push(FollowerForce::Edge { side, per_length });
+                continue;
+            }
+        };
+        loads.dead.push(dead);
     }
     for moment in &scene.moments {
         loads.moments.push((moment.side, moment.per_length()?));

@@ -64,7 +64,10 @@ pub(super) struct KnownMiss {
 #[serde(deny_unknown_fields)]
 pub(super) struct Reference {
     pub watch: String,
-    /// Shares of the whole load, increasing; the whole where none is given.
+    /// Whether loads and values are points of a curve that may turn back, of which the distance counts.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub curve: bool,
+    /// Shares of the whole load, increasing but on a curve; the whole where none is given.
     #[serde(default = "whole_load")]
     pub load: Vec<f64>,
     pub value: Vec<f64>,
@@ -111,7 +114,7 @@ impl VerifySection {
                 ensure!(!why.trim().is_empty(), "[[verify.accept]] miss has no `why`");
             }
         }
-        for Reference { watch, load, value } in &self.reference {
+        for Reference { watch, curve, load, value } in &self.reference {
             let what = format!("[[verify.reference]] {watch}");
             ensure!(
                 scene.watches.iter().any(|watched| watched.name == *watch),
@@ -123,11 +126,19 @@ impl VerifySection {
                 load.len(),
                 value.len()
             );
-            ensure!(load.is_sorted_by(|a, b| a < b), "{what}: the loads do not increase");
-            ensure!(
-                load.iter().all(|&load| load > 0.0 && load <= 1.0),
-                "{what}: a load is not a share between 0 and 1"
-            );
+            if *curve {
+                ensure!(scene.load.curve, "{what}: a curve wants [load] curve, to be traced");
+                ensure!(
+                    load.iter().all(|v| v.is_finite()) && load.iter().any(|v| *v != 0.0),
+                    "{what}: the loads are not all numbers, or all zero"
+                );
+            } else {
+                ensure!(load.is_sorted_by(|a, b| a < b), "{what}: the loads do not increase");
+                ensure!(
+                    load.iter().all(|&load| load > 0.0 && load <= 1.0),
+                    "{what}: a load is not a share between 0 and 1"
+                );
+            }
             ensure!(
                 value.iter().all(|v| v.is_finite()) && value.iter().any(|v| *v != 0.0),
                 "{what}: the values are not all numbers, or all zero"

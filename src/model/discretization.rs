@@ -10,7 +10,9 @@ use super::element::{
     ElementPoints, LoopBasis, LoopShell, MidEdgeShell, SampledSurface, ascending,
     fitted_control_points, mid_edge_patches, volume_matched,
 };
-use super::load::{ChamberPressure, Fan, MomentEdge};
+use super::load::{
+    CarriedForce, ChamberPressure, Fan, Follower, FollowerForce, Loaded, MomentEdge, OpenEdge,
+};
 use super::local::{LocalDerivatives, Term};
 use super::material::Material;
 use super::patch_model::PatchLoads;
@@ -114,34 +116,59 @@ impl Discretization {
         Ok(Self { reference, wall, points, surface, ties, held, areas, thickness })
     }
 
-    /// The chamber of a patch, closed by its cuts in the planes of symmetry.
+    /// The pressure on a patch: of its chamber, closed by its cuts in the planes of symmetry; where a side is open, of the volume
+    /// over a point, with what its rim adds for a `pressure` (MPa).
     ///
     /// # Errors
-    /// [`Rejected`] when a side is open: neither in a plane of symmetry nor held in place; or where planes of symmetry face
-    /// each other along two axes, whose cuts meet in no common point.
-    pub(super) fn cut_chamber(
+    /// [`Rejected`] where planes of symmetry of a closed chamber face each other along two axes: their cuts meet in no common
+    /// point.
+    pub(super) fn pressure_of(
         &self,
+        patch: &Patch,
+        supports: &EdgeSupports,
+        pressure: f64,
+        points_of: impl Fn(&BoundaryEdge) -> [usize; 3],
+    ) -> Result<(ChamberPressure, Carriers), Rejected> {
+        let edges = patch.boundary_edges();
+        let is_fixed =
+            |support| support == EdgeSupport::Clamped || support == EdgeSupport::Held([true; 3]);
+        let is_open = edges.iter().any(|edge| {
+            let support = supports[edge.side as usize];
+            !is_fixed(support) && !matches!(support, EdgeSupport::Symmetry(_))
+        });
+        if !is_open {
+            return Ok((self.cut_chamber(&edges, patch, supports, points_of)?, Carriers::new()));
+        }
+        let end = |edge: &BoundaryEdge| patch.surface.positions[edge.ends[0] as usize];
+        let origin = edges.iter().map(end).sum::<Vec3>() / edges.len() as f64;
+        let rim = edges.iter().filter(|edge| !is_fixed(supports[edge.side as usize]));
+        let followers = rim.map(|edge| {
+            let [a, b, middle] = points_of(edge);
+            let points = &self.points[edge.triangle];
+            let rows = points.weights.iter().map(|w| [w[a], w[middle], w[b]]).collect();
+            let kept = match supports[edge.side as usize] {
+                EdgeSupport::Symmetry(axis) => Vec3::from_fn(|k, _| f64::from(k != axis)),
+                _ => Vec3::repeat(1.0),
+            };
+            let open = OpenEdge { rows, pressure, origin, kept };
+            (points.nodes.clone(), Follower::OpenEdge(open))
+        });
+        Ok((ChamberPressure::cut(&self.points, Vec::new(), origin), followers.collect()))
+    }
+
+    /// The chamber of a patch whose sides are all fixed or in planes of symmetry.
+    fn cut_chamber(
+        &self,
+        edges: &[BoundaryEdge],
         patch: &Patch,
         supports: &EdgeSupports,
         points_of: impl Fn(&BoundaryEdge) -> [usize; 3],
     ) -> Result<ChamberPressure, Rejected> {
-        let edges = patch.boundary_edges();
         let end = |edge: &BoundaryEdge| patch.surface.positions[edge.ends[0] as usize];
-        let open = edges.iter().find(|edge| {
-            let support = supports[edge.side as usize];
-            !matches!(support, EdgeSupport::Clamped | EdgeSupport::Symmetry(_))
-                && support != EdgeSupport::Held([true; 3])
-        });
-        if let Some(BoundaryEdge { side, .. }) = open {
-            let detail = format!(
-                "pressure wants a closed chamber, but side {side:?} is open: neither in a plane of symmetry nor held in place"
-            );
-            return Err(Rejected::new(Room::Model, "open_chamber", detail, 1.0));
-        }
         // A point that all planes share, but for the second of two that face each other.
         let mut origin = edges.iter().map(end).sum::<Vec3>() / edges.len() as f64;
         let mut planes: [Vec<f64>; 3] = Default::default();
-        for edge in &edges {
+        for edge in edges {
             if let EdgeSupport::Symmetry(axis) = supports[edge.side as usize] {
                 let place = end(edge)[axis];
                 let size = patch.surface.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
@@ -158,7 +185,7 @@ impl Discretization {
             *origin = planes.first().copied().unwrap_or(*origin);
         }
         let mut fans = Vec::new();
-        for edge in &edges {
+        for edge in edges {
             if let EdgeSupport::Symmetry(axis) = supports[edge.side as usize] {
                 let mut apex = origin;
                 apex[axis] = end(edge)[axis];
@@ -194,7 +221,10 @@ impl Discretization {
         }
         let edges = patch.boundary_edges().into_iter().filter(|edge| edge.side == side);
         let of_edge = |edge: BoundaryEdge| {
-            let (nodes, rows) = self.tangent_rows(patch, &edge);
+            let triangle = patch.surface.triangles[edge.triangle];
+            let share = |corner: u32| if edge.ends.contains(&corner) { 0.5 } else { 0.0 };
+            let middle = [triangle[1], triangle[2]].map(share);
+            let (nodes, rows) = self.tangent_rows(patch, edge.triangle, middle);
             let moment = per_length.norm() * length(&edge);
             let mut tangents = [Vec3::zeros(); 2];
             for (&node, row) in nodes.iter().zip(&rows) {
@@ -208,20 +238,100 @@ impl Discretization {
         Ok(edges.map(of_edge).unzip())
     }
 
-    /// `[,1 ,2]` in the middle of an edge, of the nodes of its triangle.
-    fn tangent_rows(&self, patch: &Patch, edge: &BoundaryEdge) -> (Vec<u32>, Vec<[f64; 2]>) {
-        let triangle = patch.surface.triangles[edge.triangle];
+    /// What carries the `followers`, with their nodes.
+    pub(super) fn carriers(
+        &self,
+        patch: &Patch,
+        followers: &[FollowerForce],
+        loaded: &Loaded<'_>,
+    ) -> Carriers {
+        let mut carriers = Carriers::new();
+        for follower in followers {
+            match *follower {
+                FollowerForce::Point { vertex, force } => {
+                    let triangles = &patch.surface.triangles;
+                    let of_vertex = |(k, triangle): (usize, &[u32; 3])| {
+                        Some((k, triangle.iter().position(|&v| v == vertex)?))
+                    };
+                    let (triangle, corner) = triangles
+                        .iter()
+                        .enumerate()
+                        .find_map(of_vertex)
+                        .expect("every vertex has a triangle");
+                    let place = PARAMETERS[corner];
+                    let share = |w: &[f64; 6]| w[corner];
+                    carriers.push(self.carrier(patch, triangle, place, [1.0, 0.0], share, force));
+                }
+                FollowerForce::Edge { side, per_length } => {
+                    for edge in loaded.edges.iter().filter(|edge| edge.side == side) {
+                        let [a, b, middle] = loaded.points_of(edge);
+                        let [[va, wa], [vb, wb]] = [PARAMETERS[a], PARAMETERS[b]];
+                        let place = [0.5 * (va + vb), 0.5 * (wa + wb)];
+                        // Simpson's rule over the edge's ends and middle.
+                        let share = |w: &[f64; 6]| (w[a] + 4.0 * w[middle] + w[b]) / 6.0;
+                        let force = loaded.length(edge) * per_length;
+                        let along = [vb - va, wb - wa];
+                        carriers.push(self.carrier(
+                            patch,
+                            edge.triangle,
+                            place,
+                            along,
+                            share,
+                            force,
+                        ));
+                    }
+                }
+            }
+        }
+        carriers
+    }
+
+    /// A force on a triangle that keeps its angle to the wall at `place`, where `along` is a tangent of the wall.
+    fn carrier(
+        &self,
+        patch: &Patch,
+        triangle: usize,
+        place: [f64; 2],
+        [v, w]: [f64; 2],
+        share: impl Fn(&[f64; 6]) -> f64,
+        force: Vec3,
+    ) -> (Vec<u32>, Follower) {
+        let (nodes, tangents) = self.tangent_rows(patch, triangle, place);
+        let x: Vec<Vec3> = nodes.iter().map(|&node| self.reference[node as usize]).collect();
+        // The second tangent stands to the left of the first in the parameters.
+        let row = |([d1, d2], weights): (&[f64; 2], &[f64; 6])| {
+            [share(weights), v * d1 + w * d2, v * d2 - w * d1]
+        };
+        let rows = tangents.iter().zip(&self.points[triangle].weights).map(row).collect();
+        (nodes, Follower::Carried(CarriedForce::new(rows, force, &x)))
+    }
+
+    /// `[,1 ,2]` of the nodes of a triangle, at the parameters `place` of its second and third corner.
+    fn tangent_rows(
+        &self,
+        patch: &Patch,
+        triangle: usize,
+        [v, w]: [f64; 2],
+    ) -> (Vec<u32>, Vec<[f64; 2]>) {
         match &self.wall {
-            Wall::MidEdge(_) => ascending(&triangle, &[[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]),
+            Wall::MidEdge(_) => {
+                let corners = patch.surface.triangles[triangle];
+                ascending(&corners, &[[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+            }
             Wall::Loop(_) => {
-                let share = |corner: u32| if edge.ends.contains(&corner) { 0.5 } else { 0.0 };
-                let rows = LoopBasis::regular(share(triangle[1]), share(triangle[2]));
+                let rows = LoopBasis::regular(v, w);
                 let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
-                ascending(&patch.stencils[edge.triangle].nodes, &rows)
+                ascending(&patch.stencils[triangle].nodes, &rows)
             }
         }
     }
 }
+
+/// Forces without a potential, with their nodes.
+pub(super) type Carriers = Vec<(Vec<u32>, Follower)>;
+
+/// Of a triangle's corners, along its edges from the first.
+const PARAMETERS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 
 /// One point of quadrature inside, three beside the edges: the nodes beyond an edge belong to few triangles, and one point
 /// in each would leave them soft.

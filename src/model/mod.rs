@@ -24,7 +24,7 @@ mod test_shells;
 mod tie;
 
 pub use edge_support::{EdgeSupport, EdgeSupports};
-pub use load::DeadLoad;
+pub use load::{DeadLoad, FollowerForce};
 pub use patch_model::PatchLoads;
 pub use shell_model::{ShellModel, Support};
 pub use stretch_bound::DEFAULT_STRETCH_BOUND;

@@ -3,6 +3,8 @@
 //! ```text
 //! residual R(x) = dE/dx        tangent K(x) = dR/dx (symmetric, lower triangle stored)
 //! ```
+//!
+//! Forces without a potential may be added to the residual: [`System::is_conservative`].
 
 /// A state at which the energy is not defined: an element turned inside out, a wall behind the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -101,6 +103,20 @@ pub trait System {
     fn stable_negative_pivots(&self) -> usize {
         0
     }
+
+    /// Whether the residual is the energy's gradient and the tangent its whole derivative.
+    ///
+    /// Otherwise forces without a potential act: the residual has them, the energy has not, and
+    /// `dR/dx = tangent + N` with the tangent symmetric still. A line search on the energy and the count of negative
+    /// pivots then decide nothing.
+    fn is_conservative(&self) -> bool {
+        true
+    }
+
+    /// Adds `N v` to `out [n]`: what `dR/dx` at `x [n]` has besides the tangent, times `v [n]`. Zero where unknowns are held.
+    fn add_circulatory_tangent(&self, x: &[f64], v: &[f64], out: &mut [f64]) {
+        let _ = (x, v, out);
+    }
 }
 
 /// A system whose energy depends on one load linearly: `E(x; load) = W(x) - load * conjugate(x)`.
@@ -108,10 +124,11 @@ pub trait LoadedSystem: System {
     /// Sets the load (for a chamber: the pressure, MPa).
     fn set_load(&mut self, load: f64);
 
-    /// The quantity on which the load works (for a chamber: the volume, mm^3).
+    /// The quantity on which the load works (for a chamber: the volume, mm^3); of the loads that have a potential.
     fn conjugate(&self, x: &[f64]) -> f64;
 
-    /// Writes the gradient of the conjugate into `direction [n]`, zero where unknowns are held: `K dx/dload = direction`.
+    /// Writes the forces of a load of 1, `-dR/dload`, into `direction [n]`, zero where unknowns are held:
+    /// `dR/dx dx/dload = direction`. In a conservative system it is the gradient of the conjugate.
     fn load_direction(&self, x: &[f64], direction: &mut [f64]);
 
     /// Told of every accepted equilibrium `x [n]`, for what has a history; returns the energy given off as heat since the

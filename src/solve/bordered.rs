@@ -7,10 +7,11 @@
 //! dx = y + dload z,   K y = -R,  K z = a,   dload = -(g + g_x . y) / (g_load + g_x . z)
 //! ```
 //!
-//! One factorisation of the symmetric `K` serves both right-hand sides, and the answer stays accurate up to a hair of
+//! One factorisation of the symmetric `K` serves both right-hand sides (behind `krylov.rs` where loads have no potential), and the answer stays accurate up to a hair of
 //! a limit point, where `K` is singular and the bordered matrix is not. There is no energy to lower: a step is cut while the state
 //! is not admissible or the residual grows out of bounds. Source: Batoz & Dhatt (1979); Keller (1977) for the arc.
 
+use super::krylov::{KrylovReport, solve_unsymmetric};
 use super::path::PathPoint;
 use super::supply::Supply;
 use super::{EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
@@ -85,13 +86,18 @@ pub(super) fn solve(
         let mut direction = vec![0.0; n];
         system.load_direction(x, &mut direction);
         let mut by_load = direction.clone();
-        solver.solve_linearized(&mut by_load)?;
+        let solved = solve_unsymmetric(system, solver, x, &mut by_load)?;
         let mut dx: Vec<f64> = residual.iter().map(|residual| -residual).collect();
-        solver.solve_linearized(&mut dx)?;
+        let solved = [solved, solve_unsymmetric(system, solver, x, &mut dx)?];
+        if !solved.iter().all(KrylovReport::has_converged) {
+            report.ending = NewtonEnding::Singular;
+            return Ok(report);
+        }
         let row = constraint.row(system, x, *load, direction);
         let conjugate_rate = dot(&row.direction, &by_load);
         let surplus = negative.saturating_sub(system.stable_negative_pivots());
-        if let Some(cured) = row.cures(conjugate_rate)
+        if system.is_conservative()
+            && let Some(cured) = row.cures(conjugate_rate)
             && surplus > cured
         {
             report.shifted += 1;

@@ -68,6 +68,14 @@ impl System for Damped<'_> {
         self.system.energy_rounding()
     }
 
+    fn is_conservative(&self) -> bool {
+        self.system.is_conservative()
+    }
+
+    fn add_circulatory_tangent(&self, x: &[f64], v: &[f64], out: &mut [f64]) {
+        self.system.add_circulatory_tangent(x, v, out);
+    }
+
     fn make_room(&mut self, x: &[f64]) -> bool {
         self.system.make_room(x)
     }

@@ -10,6 +10,7 @@ mod damped;
 mod ending;
 mod factor;
 mod hermite;
+mod krylov;
 mod line_search;
 mod native;
 mod observed;
@@ -34,6 +35,7 @@ use crate::model::system::System;
 pub use backend::Backend;
 pub use ending::Ending;
 pub use hermite::{Cubic, Segment};
+pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use native::NativeSolver;
 pub use path::{Path, PathPoint, PathSettings, Programme, follow};
 #[cfg(feature = "petsc")]

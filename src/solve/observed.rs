@@ -85,4 +85,12 @@ impl System for Observed<'_> {
     fn stable_negative_pivots(&self) -> usize {
         self.system.stable_negative_pivots()
     }
+
+    fn is_conservative(&self) -> bool {
+        self.system.is_conservative()
+    }
+
+    fn add_circulatory_tangent(&self, x: &[f64], v: &[f64], out: &mut [f64]) {
+        self.system.add_circulatory_tangent(x, v, out);
+    }
 }

@@ -21,6 +21,7 @@ use super::bordered::{self, Constraint};
 use super::curve;
 use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step, work_between};
+use super::krylov::solve_unsymmetric;
 use super::snap::Snap;
 use super::supply::Supply;
 use super::{EquilibriumSolver, NewtonReport, NewtonSettings, SolverFailure};
@@ -408,7 +409,12 @@ impl Walk<'_> {
     }
 
     /// Whether the step to `point` is fine enough to be believed: the work done is the energy stored.
+    ///
+    /// What has no potential stores nothing to compare with.
     pub(super) fn resolves(&self, point: &PathPoint) -> bool {
+        if !self.system.is_conservative() {
+            return true;
+        }
         let last = self.last();
         let stored = point.stored_energy - last.stored_energy;
         let work = point.work - last.work;
@@ -448,7 +454,7 @@ impl Walk<'_> {
         state: &mut State,
         newton: &NewtonSettings,
     ) -> Result<NewtonReport, SolverFailure> {
-        let report = if self.supply == Supply::Load {
+        let report = if self.supply == Supply::Load && self.system.is_conservative() {
             self.system.set_load(drive);
             state.load = drive;
             self.solver.solve(self.system, &mut state.x, newton)?
@@ -498,7 +504,11 @@ impl Walk<'_> {
         let State { x, load } = state;
         let stable = self.system.stable_negative_pivots();
         self.system.set_load(*load);
-        let negative = self.solver.linearize(self.system, x)?;
+        let mut negative = self.solver.linearize(self.system, x)?;
+        if !self.system.is_conservative() {
+            // What the symmetric part loses says nothing.
+            negative = stable;
+        }
         let energy = self.system.energy(x);
         let (true, Ok(energy)) = (self.solver.is_invertible(), energy) else {
             return Ok(None);
@@ -506,7 +516,9 @@ impl Walk<'_> {
         let mut direction = vec![0.0; x.len()];
         self.system.load_direction(x, &mut direction);
         let mut rate = direction.clone();
-        self.solver.solve_linearized(&mut rate)?;
+        if !solve_unsymmetric(self.system, self.solver, x, &mut rate)?.has_converged() {
+            return Ok(None);
+        }
         let conjugate = self.system.conjugate(x);
         Ok(Some(PathPoint {
             drive: *load,

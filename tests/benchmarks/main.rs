@@ -3,6 +3,7 @@
 
 mod basic_bend;
 mod ellipsoid;
+mod follower;
 mod inflated_sphere;
 mod inflated_tube;
 mod locking;
