@@ -15,9 +15,13 @@ mod scene_file;
 mod shape;
 mod simulate;
 mod simulate_shape;
+mod stability_case;
 mod verify;
 mod verify_cases;
+mod verify_compare;
+mod verify_files;
 mod verify_section;
+mod verify_stability;
 mod watch;
 mod watch_curve;
 
@@ -133,6 +137,24 @@ enum Verified {
         #[arg(long, default_value = "native")]
         solver: SolverName,
     },
+    /// Hard scenes on every solver: ending, snaps, iterations, CPU time.
+    Stability {
+        /// Only this case; again for each (see --list).
+        #[arg(long)]
+        case: Vec<String>,
+        /// Folder for stability.csv; must not exist.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Print the names of the cases and stop.
+        #[arg(long)]
+        list: bool,
+        /// Only the cases that take a few seconds.
+        #[arg(long)]
+        quick: bool,
+        /// Only this solver.
+        #[arg(long)]
+        solver: Option<SolverName>,
+    },
 }
 
 /// The names of the shell elements on the command line.
@@ -237,6 +259,14 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
             let selection = Selection { cases: case, element, quick, solver: solver.into() };
             // Its CPU times are those of one thread.
             on_threads(1, || verify::run(&selection, out.as_deref()))
+        }
+        Command::Verify { what: Verified::Stability { list: true, .. } } => {
+            verify_stability::list()
+        }
+        Command::Verify { what: Verified::Stability { case, out, quick, solver, .. } } => {
+            let solver = solver.map(Backend::from);
+            let selection = verify_stability::Selection { cases: case, solver, quick };
+            on_threads(1, || verify_stability::run(&selection, out.as_deref()))
         }
         Command::Report { run } => report::run(&run),
     }

@@ -21,6 +21,7 @@ use crate::genome::Network;
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::solve::{Backend, PathSettings};
+use crate::surface::TriangleMesh;
 
 /// A scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -135,13 +136,24 @@ fn default_solver() -> SolverSection {
     SolverSection { backend }
 }
 
+/// Where the files that a part names are read.
+pub(super) trait PartFiles {
+    /// The network in the file at `path`.
+    fn network(&self, path: &Path) -> anyhow::Result<Network>;
+    /// The triangles of the STL file at `path`, mm.
+    fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh>;
+}
+
 /// What a scene's part is made from.
 pub(super) enum PartSource<'a> {
     Network {
         file: PathBuf,
         network: Network,
     },
-    Stl(PathBuf),
+    Stl {
+        file: PathBuf,
+        surface: TriangleMesh,
+    },
     Patch(&'a PatchSection),
     Sphere(SphereSection),
     /// Its semi-axes, mm.
@@ -151,7 +163,7 @@ pub(super) enum PartSource<'a> {
 impl PartSource<'_> {
     /// Whether the part is clamped at its base and has a tip.
     pub(super) fn is_actuator(&self) -> bool {
-        matches!(self, Self::Network { .. } | Self::Stl(_))
+        matches!(self, Self::Network { .. } | Self::Stl { .. })
     }
 }
 
@@ -282,11 +294,11 @@ impl SceneFile {
         LoadSettings { pressure: largest, path: self.load.path }
     }
 
-    /// What the part is made from; files are found beside the scene file at `path`, networks by `read`.
+    /// What the part is made from; `files` are named relative to the scene file at `path`.
     pub(super) fn source(
         &self,
         path: &Path,
-        read: impl Fn(&Path) -> anyhow::Result<Network>,
+        files: &dyn PartFiles,
     ) -> anyhow::Result<PartSource<'_>> {
         let beside = |file: &PathBuf| path.parent().unwrap_or(Path::new("")).join(file);
         let Part { network, stl, patch, sphere, ellipsoid } = &self.part;
@@ -294,9 +306,12 @@ impl SceneFile {
         match (network, stl, patch, sphere, ellipsoid) {
             (Some(file), None, None, None, None) => {
                 let file = beside(file);
-                Ok(PartSource::Network { network: read(&file)?, file })
+                Ok(PartSource::Network { network: files.network(&file)?, file })
             }
-            (None, Some(file), None, None, None) => Ok(PartSource::Stl(beside(file))),
+            (None, Some(file), None, None, None) => {
+                let file = beside(file);
+                Ok(PartSource::Stl { surface: files.surface(&file)?, file })
+            }
             (None, None, Some(patch), None, None) => Ok(PartSource::Patch(patch)),
             (None, None, None, Some(sphere), None) => Ok(PartSource::Sphere(*sphere)),
             (None, None, None, None, Some(ellipsoid)) => {
