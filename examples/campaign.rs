@@ -172,13 +172,8 @@ fn design(genome: &Genome, settings: &CandidateSettings) -> Design {
 }
 
 fn way(path: &Path, largest: f64) -> Way {
-    let snaps = path.points.iter().filter(|point| point.shifted > 0).count();
-    let ending = match path.ending.name() {
-        "reached" if snaps > 0 => "snapped_and_continued",
-        name => name,
-    };
     let reached = path.points.last().map_or(0.0, |point| point.load / largest);
-    Way { ending: ending.to_owned(), reached, snaps }
+    Way { ending: path.ending.name().to_owned(), reached, snaps: path.snaps().count() }
 }
 
 /// Every design of `genomes`, in their order, by `executor`.

@@ -139,6 +139,8 @@ pub(super) fn check_shell(wall: &ShellSettings, load: &LoadSettings) -> anyhow::
         (1..=MOST_STEPS).contains(&steps),
         "[load.path] steps is {steps}, but it must lie between 1 and {MOST_STEPS}"
     );
+    within("[load] stretch_bound", load.stretch_bound, 1.01, 1e3)?;
+    within("[load.path] largest_step", load.path.largest_step, 1e-3, 1.0)?;
     ensure!(
         load.path.iteration_budget > 0,
         "[load.path] iteration_budget is 0, but a step takes iterations"

@@ -20,7 +20,7 @@ use crate::fitness::LoadSettings;
 use crate::genome::Network;
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
-use crate::solve::{Backend, PathSettings};
+use crate::solve::{Backend, PathSettings, Programme, Supply};
 use crate::surface::TriangleMesh;
 
 /// A scene file.
@@ -109,6 +109,17 @@ pub(super) struct LoadSection {
     /// Largest pressure, MPa: in the chamber, or on a patch towards its normal `x,s cross x,t`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
+    /// For a closed part, instead of raising the pressure: the enclosed volume is prescribed, up to this multiple of that at
+    /// rest, and the pressure is what it takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<f64>,
+    /// For a closed part, instead of raising the pressure: gas is let in, and keeps what it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gas: Option<GasSection>,
+    /// Whether the whole curve of equilibria is traced, stable or not, instead of snapping over what is not.
+    pub curve: bool,
+    /// The stretch of the wall beyond which the path ends as ballooning.
+    pub stretch_bound: f64,
     /// Whether the answer is that of the linear theory: one linear solve at rest.
     pub linear: bool,
     pub path: PathSettings,
@@ -116,8 +127,36 @@ pub(super) struct LoadSection {
 
 impl Default for LoadSection {
     fn default() -> Self {
-        Self { pressure: None, linear: false, path: LoadSettings::default().path }
+        let LoadSettings { stretch_bound, path, .. } = LoadSettings::default();
+        Self {
+            pressure: None,
+            volume: None,
+            gas: None,
+            curve: false,
+            stretch_bound,
+            linear: false,
+            path,
+        }
     }
+}
+
+/// An amount of gas that is raised from what the part holds at rest; isothermal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GasSection {
+    /// The largest, as a multiple of the amount at rest.
+    pub amount: f64,
+    /// Volume of the line that shares the gas, mm^3.
+    #[serde(default)]
+    pub dead_volume: f64,
+    /// Absolute pressure outside, MPa.
+    #[serde(default = "standard_atmosphere")]
+    pub atmosphere: f64,
+}
+
+/// MPa.
+fn standard_atmosphere() -> f64 {
+    0.101_325
 }
 
 /// A rigid plane.
@@ -238,6 +277,7 @@ impl SceneFile {
                 bail!("[[{name}]] wants a [part.patch], which alone has sides, `s` and `t`");
             }
         }
+        self.check_supply()?;
         if let Some(EllipsoidSection { semi_axes }) = *ellipsoid {
             for semi_axis in semi_axes {
                 positive("[part.ellipsoid] semi_axes", semi_axis)?;
@@ -259,6 +299,31 @@ impl SceneFile {
             self.part.patch.is_none() || self.has_load(),
             "a [part.patch] wants a load other than zero: [load] pressure, [[force]] or [[moment]]"
         );
+        Ok(())
+    }
+
+    /// Checks the keys of `[load]` that say what is given instead of a rising pressure.
+    fn check_supply(&self) -> anyhow::Result<()> {
+        let LoadSection { volume, gas, curve, linear, .. } = self.load;
+        let given = [volume.is_some(), gas.is_some(), curve, linear];
+        ensure!(
+            given.iter().filter(|given| **given).count() <= 1,
+            "[load] has more than one of `volume`, `gas`, `curve` and `linear`; give one"
+        );
+        ensure!(
+            self.part.patch.is_none() || (volume.is_none() && gas.is_none()),
+            "[load] volume and gas want a closed part: a network, an STL file, a sphere or an ellipsoid"
+        );
+        if let Some(multiple) = volume {
+            within("[load] volume", multiple, 1e-3, 1e6)?;
+            ensure!(multiple != 1.0, "[load] volume is 1, which is the volume at rest");
+        }
+        if let Some(GasSection { amount, dead_volume, atmosphere }) = gas {
+            within("[load] gas amount", amount, 1e-3, 1e6)?;
+            ensure!(amount != 1.0, "[load] gas amount is 1, which is the gas at rest");
+            within("[load] gas dead_volume", dead_volume, 0.0, 1e12)?;
+            positive("[load] gas atmosphere", atmosphere)?;
+        }
         Ok(())
     }
 
@@ -291,7 +356,25 @@ impl SceneFile {
     pub(super) fn load_settings(&self) -> LoadSettings {
         let pressure = self.load.pressure.unwrap_or(LoadSettings::default().pressure);
         let largest = if self.part.patch.is_some() { 1.0 } else { pressure };
-        LoadSettings { pressure: largest, path: self.load.path }
+        LoadSettings {
+            pressure: largest,
+            stretch_bound: self.load.stretch_bound,
+            path: self.load.path,
+        }
+    }
+
+    /// What the path is driven through, for a part that encloses `volume_at_rest` (mm^3).
+    pub(super) fn programme(&self, volume_at_rest: f64) -> Programme {
+        let driven = |supply, end| Programme::Driven { supply, end };
+        let LoadSection { volume, gas, curve, .. } = self.load;
+        match (volume, gas) {
+            (Some(multiple), _) => driven(Supply::Conjugate, multiple * volume_at_rest),
+            (None, Some(GasSection { amount, dead_volume, atmosphere })) => {
+                driven(Supply::Gas { atmosphere, dead_volume, volume_at_rest }, amount)
+            }
+            (None, None) if curve => Programme::Curve { end: self.load_settings().pressure },
+            (None, None) => self.load_settings().pressure.into(),
+        }
     }
 
     /// What the part is made from; `files` are named relative to the scene file at `path`.

@@ -63,7 +63,10 @@ impl Shape {
         let walked = if scene.load.linear {
             linear_step(&mut self.model, solver.as_mut(), largest.pressure)?
         } else {
-            follow(&mut self.model, solver.as_mut(), largest.pressure, Vec::new(), &largest.path)?
+            let at_rest = self.model.volume(&vec![0.0; self.model.unknowns()]);
+            let programme = scene.programme(at_rest);
+            self.model.set_stretch_bound(largest.stretch_bound);
+            follow(&mut self.model, solver.as_mut(), programme, Vec::new(), &largest.path)?
         };
         let seconds = cpu_seconds() - start;
         Ok(Measured {
@@ -74,18 +77,10 @@ impl Shape {
                 .iter()
                 .map(|watch| watch.curve(&self.model, &walked.points, largest.pressure))
                 .collect(),
-            limit_load: limit_load(&walked).map(|load| load / largest.pressure),
+            limit_load: walked.limit_load().map(|load| load / largest.pressure),
             walked,
         })
     }
-}
-
-/// The largest load before the path snapped or lost its stability, if it did: other endings are no limit point.
-fn limit_load(walked: &Walked) -> Option<f64> {
-    let snap = walked.points.iter().position(|point| point.shifted > 0);
-    let is_limit = matches!(walked.ending, Ending::LimitPoint | Ending::Unstable);
-    let end = snap.or(is_limit.then_some(walked.points.len()))?;
-    walked.points.get(end.checked_sub(1)?).map(|point| point.load)
 }
 
 /// The watches of a closed part.
@@ -153,7 +148,7 @@ fn linear_step(
     model.set_load(0.0);
     let negative_pivots = solver.linearize(model, &rest)?;
     if negative_pivots != model.stable_negative_pivots() {
-        return Ok(Walked { points: Vec::new(), ending: Ending::Unstable });
+        return Ok(Walked { points: Vec::new(), ending: Ending::Unstable, place: None });
     }
     let mut direction = rest.clone();
     model.load_direction(&rest, &mut direction);
@@ -169,42 +164,7 @@ fn linear_step(
         x: rate.iter().map(|rate| load * rate).collect(),
         rate: rate.clone(),
         conjugate_rate,
-        newton_iterations: 0,
-        shifted: 0,
+        ..PathPoint::at_rest(load, 0)
     };
-    Ok(Walked { points: vec![point(0.0), point(largest)], ending: Ending::Reached })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_an_instability_is_a_limit_load() {
-        let point = |load: f64, shifted: usize| PathPoint {
-            load,
-            conjugate: 0.0,
-            work: 0.0,
-            stored_energy: 0.0,
-            x: Vec::new(),
-            rate: Vec::new(),
-            conjugate_rate: 0.0,
-            newton_iterations: 0,
-            shifted,
-        };
-        let limit = |shifted: [usize; 3], ending| {
-            let loads = [0.0, 0.5, 0.75];
-            let points = loads.into_iter().zip(shifted).map(|(load, s)| point(load, s)).collect();
-            limit_load(&Walked { points, ending })
-        };
-        for ending in [Ending::LimitPoint, Ending::Unstable] {
-            assert_eq!(limit([0; 3], ending), Some(0.75));
-        }
-        for ending in [Ending::Reached, Ending::Inverted, Ending::Stalled, Ending::BudgetSpent] {
-            assert_eq!(limit([0; 3], ending), None);
-            assert_eq!(limit([0, 0, 2], ending), Some(0.5));
-        }
-        let nothing = Walked { points: Vec::new(), ending: Ending::Unstable };
-        assert_eq!(limit_load(&nothing), None);
-    }
+    Ok(Walked { points: vec![point(0.0), point(largest)], ending: Ending::Reached, place: None })
 }

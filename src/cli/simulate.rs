@@ -128,7 +128,9 @@ pub(super) fn run(
 fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, SolveTimes)> {
     let mut solver = scene.solver.backend.solver(model.pattern())?;
     let load = scene.load_settings();
-    let walked = follow(model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
+    model.set_stretch_bound(load.stretch_bound);
+    let programme = scene.programme(model.volume(&vec![0.0; model.unknowns()]));
+    let walked = follow(model, solver.as_mut(), programme, Vec::new(), &load.path)?;
     ensure!(
         !walked.points.is_empty(),
         "the part is not stable at rest ({}): look at its mesh and its material",

@@ -10,6 +10,7 @@ use super::provenance::Provenance;
 use super::say;
 use super::scene_file::{PartSource, SceneFile};
 use super::shape::{Measured, Shape};
+use crate::fitness::stability;
 use crate::io::{OutputFolder, atomic, csv, stl};
 use crate::math::cpu_seconds;
 use crate::solve::{Backend, Ending};
@@ -26,8 +27,10 @@ struct Row {
     /// mm.
     max_displacement: f64,
     newton_iterations: usize,
-    /// Iterations among them with an indefinite tangent.
-    indefinite_iterations: usize,
+    /// Steps given up since the row before.
+    step_cuts: usize,
+    /// `stable`, `unstable`, or `snapped` on the way from the row before.
+    stability: &'static str,
 }
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -80,7 +83,8 @@ pub(super) fn run(
             stored_energy: point.stored_energy,
             max_displacement: largest_of(&point.x),
             newton_iterations: point.newton_iterations,
-            indefinite_iterations: point.shifted,
+            step_cuts: point.cuts,
+            stability: stability(point),
         })
         .collect();
     ensure!(

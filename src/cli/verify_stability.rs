@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use super::run_file::check_solver;
 use super::say;
+use super::scene_file::SceneFile;
 use super::shape::{Measured, Shape};
 use super::stability_case::{FOLDER, REFUSED, REJECTED, StabilityCase, Variant, case};
 use super::verify_compare::deviations;
@@ -22,7 +23,7 @@ use crate::batch::{Executor, Next, Serial};
 use crate::io::{OutputFolder, csv};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
-use crate::solve::{Backend, Ending, Path as Walked};
+use crate::solve::{Backend, Programme, Supply};
 
 /// What to run.
 pub(super) struct Selection {
@@ -47,11 +48,11 @@ struct Row {
     /// Endings that are right, with a bar between them.
     expected: String,
     ending: String,
-    /// Share of the largest load at the last state.
+    /// Share of the programme at the last state.
     load: f64,
     snaps: usize,
     newton_iterations: usize,
-    /// States between the sample loads: what steps were cut to.
+    /// Steps given up.
     step_cuts: usize,
     unknowns: usize,
     cpu_seconds: f64,
@@ -71,6 +72,8 @@ struct Ran {
     ending: String,
     /// What was said where there is no path.
     message: Option<String>,
+    /// Share of the programme.
+    reached: f64,
     measured: Option<Measured>,
     wall_seconds: f64,
 }
@@ -151,6 +154,7 @@ fn guarded(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
     let ran = outcomes.pop().expect("one item has one outcome").unwrap_or_else(|panicked| Ran {
         ending: "panicked".to_owned(),
         message: Some(panicked.message),
+        reached: 0.0,
         measured: None,
         wall_seconds: 0.0,
     });
@@ -161,6 +165,7 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
     let without_path = |ending: &str, message: String| Ran {
         ending: ending.to_owned(),
         message: Some(message),
+        reached: 0.0,
         measured: None,
         wall_seconds: 0.0,
     };
@@ -181,9 +186,10 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
         Err(error) => return without_path(REJECTED, format!("{error:#}")),
     };
     match shape.measure(&scene, solver, start) {
-        Ok(measured) => Ran {
-            ending: ending(&measured.walked).to_owned(),
+        Ok(mut measured) => Ran {
+            ending: measured.walked.ending.name().to_owned(),
             message: None,
+            reached: progress(&scene, &mut measured),
             measured: Some(measured),
             wall_seconds: 0.0,
         },
@@ -191,16 +197,26 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
     }
 }
 
-/// The ending of a path, told apart from one that snapped on its way.
-fn ending(walked: &Walked) -> &'static str {
-    match walked.ending {
-        Ending::Reached if snaps(walked) > 0 => "snapped_and_continued",
-        ending => ending.name(),
+/// Share of the programme up to which a path was walked, and its curves over that share where a pressure is not what is
+/// driven.
+fn progress(scene: &SceneFile, measured: &mut Measured) -> f64 {
+    let points = &measured.walked.points;
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return 0.0 };
+    let (start, end) = match scene.programme(first.conjugate) {
+        Programme::Driven { supply: Supply::Load, end } | Programme::Curve { end } => {
+            return last.load / end;
+        }
+        Programme::Driven { end, .. } => (first.drive, end),
+    };
+    let share = |drive: f64| (drive - start) / (end - start);
+    let largest = scene.load_settings().pressure;
+    for curve in &mut measured.curves {
+        for (shown, point) in curve.points.iter_mut().zip(points) {
+            shown.load = share(point.drive);
+            shown.rate *= (end - start) / largest;
+        }
     }
-}
-
-fn snaps(walked: &Walked) -> usize {
-    walked.points.iter().filter(|point| point.shifted > 0).count()
+    share(last.drive)
 }
 
 /// The row of a run on its own.
@@ -236,12 +252,11 @@ fn judged(case: &StabilityCase, variant: Variant, solver: Backend, ran: &Ran) ->
         row.note(false, format!("{}, not {}", row.ending, row.expected.replace('|', " or ")));
     }
     let (Ok(scene), Some(measured)) = (&case.scene, &ran.measured) else { return row };
-    let largest = scene.load_settings().pressure;
     let points = &measured.walked.points;
-    row.load = points.last().map_or(0.0, |point| point.load / largest);
-    row.snaps = snaps(&measured.walked);
+    row.load = ran.reached;
+    row.snaps = measured.walked.snaps().count();
     row.newton_iterations = points.iter().map(|point| point.newton_iterations).sum();
-    row.step_cuts = step_cuts(&measured.walked, largest, scene.load.path.steps);
+    row.step_cuts = points.iter().map(|point| point.cuts).sum();
     row.unknowns = measured.unknowns;
     row.cpu_seconds = measured.cpu_seconds;
     if let Some(what) = not_finite(measured) {
@@ -283,20 +298,19 @@ impl Row {
     }
 }
 
-/// States at loads that are no sample loads.
-fn step_cuts(walked: &Walked, largest: f64, steps: usize) -> usize {
-    let is_between = |load: f64| {
-        let place = load / largest * steps as f64;
-        (place - place.round()).abs() > 1e-6
-    };
-    walked.points.iter().filter(|point| is_between(point.load)).count()
-}
-
 /// The first number of a path or a watch that is none.
 fn not_finite(measured: &Measured) -> Option<String> {
     for (k, point) in measured.walked.points.iter().enumerate() {
-        let scalars =
-            [point.load, point.conjugate, point.work, point.stored_energy, point.conjugate_rate];
+        let scalars = [
+            point.drive,
+            point.load,
+            point.conjugate,
+            point.work,
+            point.stored_energy,
+            point.dissipated,
+            point.load_rate,
+            point.conjugate_rate,
+        ];
         if !scalars.iter().chain(&point.x).chain(&point.rate).all(|x| x.is_finite()) {
             return Some(format!("state {k} holds a number that is not finite"));
         }
@@ -313,7 +327,7 @@ fn compare_solvers(case: &StabilityCase, model: &Ran, ran: &Ran, row: &mut Row) 
         row.note(false, format!("the other solver ends as {}", model.ending));
     }
     let (Some(a), Some(b)) = (&model.measured, &ran.measured) else { return };
-    let (difference, what) = disagreement(a, b);
+    let (difference, what) = disagreement(a, b, [model.reached, ran.reached]);
     row.disagreement = Some(difference);
     if difference.partial_cmp(&case.verify.agreement).is_none_or(|order| order.is_gt()) {
         row.note(false, format!("the solvers differ by {difference:.1e} in {what}"));
@@ -322,10 +336,9 @@ fn compare_solvers(case: &StabilityCase, model: &Ran, ran: &Ran, row: &mut Row) 
 
 /// The largest difference of two runs, and in what: the share of the load reached, or a watch at loads where both have a
 /// state, as a share of its largest value.
-fn disagreement(a: &Measured, b: &Measured) -> (f64, String) {
-    let end = |measured: &Measured| measured.walked.points.last().map_or(0.0, |point| point.load);
-    let scale = end(a).abs().max(end(b).abs());
-    let load = if scale > 0.0 { (end(a) - end(b)).abs() / scale } else { 0.0 };
+fn disagreement(a: &Measured, b: &Measured, reached: [f64; 2]) -> (f64, String) {
+    let scale = reached[0].abs().max(reached[1].abs());
+    let load = if scale > 0.0 { (reached[0] - reached[1]).abs() / scale } else { 0.0 };
     let mut worst = (load, "the load reached".to_owned());
     for (k, (a, b)) in a.curves.iter().zip(&b.curves).enumerate() {
         let largest = a.points.iter().fold(0.0_f64, |largest, p| largest.max(p.value.abs()));

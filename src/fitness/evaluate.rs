@@ -12,7 +12,7 @@ use crate::mesh::ShellMesh;
 use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
 use crate::model::system::System;
-use crate::model::{ShellModel, Support};
+use crate::model::{DEFAULT_STRETCH_BOUND, ShellModel, Support};
 use crate::solve::{Backend, Ending, Path, PathSettings, SolveTimes, SolverFailure, follow};
 
 /// The loading programme.
@@ -21,13 +21,15 @@ use crate::solve::{Backend, Ending, Path, PathSettings, SolveTimes, SolverFailur
 pub struct LoadSettings {
     /// Largest chamber pressure, MPa.
     pub pressure: f64,
+    /// The stretch of the wall beyond which a path ends as ballooning.
+    pub stretch_bound: f64,
     /// How the path is walked.
     pub path: PathSettings,
 }
 
 impl Default for LoadSettings {
     fn default() -> Self {
-        Self { pressure: 0.2, path: PathSettings::default() }
+        Self { pressure: 0.2, stretch_bound: DEFAULT_STRETCH_BOUND, path: PathSettings::default() }
     }
 }
 
@@ -69,8 +71,16 @@ pub struct Evaluation {
     pub unknowns: usize,
     /// Newton iterations of both scenarios.
     pub newton_iterations: usize,
-    /// Newton iterations with an indefinite tangent: above 0 the design came near an instability.
-    pub indefinite_iterations: usize,
+    /// Losses of stability that both paths went over.
+    pub snaps: usize,
+    /// Why the bending path ended: the objectives are read off what it reached.
+    pub bending_ending: Ending,
+    /// Pressure of its last sample, MPa.
+    pub bending_pressure: f64,
+    /// Why the blocked path ended.
+    pub blocking_ending: Ending,
+    /// Pressure of its last sample, MPa.
+    pub blocking_pressure: f64,
 }
 
 /// Both walked scenarios.
@@ -107,6 +117,7 @@ pub fn evaluate(
         Ok(model) => model,
         Err(rejected) => return Ok(Err(rejected)),
     };
+    model.set_stretch_bound(load.stretch_bound);
     let mut solver = backend.solver(model.pattern())?;
     model.lift_planes(true);
     let free = follow(&mut model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
@@ -137,15 +148,26 @@ pub fn evaluate(
         creased_share: model.creased_share(),
         unknowns: model.unknowns(),
         newton_iterations: own_rows.clone().map(|row| row.newton_iterations).sum(),
-        indefinite_iterations: own_rows.map(|row| row.indefinite_iterations).sum(),
+        snaps: own_rows.filter(|row| row.stability == "snapped").count(),
+        bending_ending: free.ending,
+        bending_pressure: last_sample(&free_rows),
+        blocking_ending: blocked.ending,
+        blocking_pressure: last_sample(&blocked_rows),
     };
     let times = solver.times();
     Ok(Ok((evaluation, Scenarios { model, free, blocked, free_rows, blocked_rows, times })))
 }
 
+/// Pressure of the last sample, MPa.
+fn last_sample(rows: &[Observation]) -> f64 {
+    rows.iter().rfind(|row| row.is_sample).map_or(0.0, |row| row.pressure)
+}
+
+/// Why a path says nothing about its design: the method ended it, or the part before the first loaded sample.
 fn cut_short(path: &Path, pressure: f64, scenario: &str) -> Option<Rejected> {
     let reached = path.points.last().map_or(0.0, |point| point.load / pressure);
-    (path.ending != Ending::Reached).then(|| {
+    let is_loaded = path.points.iter().any(|point| point.is_sample && point.load > 0.0);
+    (!path.ending.is_physical() || !is_loaded).then(|| {
         Rejected::new(
             Room::Solve,
             path.ending.name(),

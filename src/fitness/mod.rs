@@ -11,5 +11,5 @@ mod outcome;
 pub use candidate::{Candidate, CandidateSettings, evaluate_network, shell_of_network};
 pub use evaluate::{Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate};
 pub use objective::{bending, blocking, figure_of_merit};
-pub use observation::{Observation, observations};
+pub use observation::{Observation, observations, stability};
 pub use outcome::{Outcome, StageSeconds};

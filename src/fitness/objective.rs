@@ -4,6 +4,8 @@
 //! F_c  = max over the path of  angle / (L int p dV)^(1/p)       rad, m, J; chord angle
 //! F_bf = max over the path of  force / pressure                 N/kPa
 //! ```
+//!
+//! The maxima are taken over the samples of the loading programme, which stand where they stand however the path was walked.
 
 use super::Observation;
 
@@ -34,7 +36,7 @@ pub fn figure_of_merit(path: &[Observation], length: f64) -> f64 {
 }
 
 fn loaded(path: &[Observation]) -> impl Iterator<Item = &Observation> {
-    path.iter().filter(|row| row.pressure > 0.0 && row.work > 0.0)
+    path.iter().filter(|row| row.is_sample && row.pressure > 0.0 && row.work > 0.0)
 }
 
 #[cfg(test)]
@@ -58,8 +60,9 @@ mod tests {
             max_displacement: 0.0,
             plane_force,
             newton_iterations: 0,
-            indefinite_iterations: 0,
+            step_cuts: 0,
             stability: "stable",
+            is_sample: true,
         }
     }
 

@@ -45,10 +45,22 @@ pub struct Observation {
     pub plane_force: f64,
     /// Newton iterations since the row before.
     pub newton_iterations: usize,
-    /// Iterations among them with an indefinite tangent.
-    pub indefinite_iterations: usize,
-    /// `stable`, or `stable_beyond_instability` when even the smallest step led over an indefinite tangent: a snap is likely.
+    /// Steps given up since the row before.
+    pub step_cuts: usize,
+    /// `stable`, `unstable`, or `snapped` on the way from the row before.
     pub stability: &'static str,
+    /// Whether it stands at a sample of the programme: only such rows are compared between designs.
+    pub is_sample: bool,
+}
+
+/// What [`Observation::stability`] says of a point.
+#[must_use]
+pub fn stability(point: &PathPoint) -> &'static str {
+    match point {
+        PathPoint { snap: Some(_), .. } => "snapped",
+        PathPoint { is_stable: true, .. } => "stable",
+        _ => "unstable",
+    }
 }
 
 /// The rows of a path, the first at rest.
@@ -84,8 +96,9 @@ pub fn observations(
             max_displacement: displacements.iter().map(|u| u.norm()).fold(0.0, f64::max),
             plane_force: model.plane_force(&point.x),
             newton_iterations: point.newton_iterations,
-            indefinite_iterations: point.shifted,
-            stability: if point.shifted == 0 { "stable" } else { "stable_beyond_instability" },
+            step_cuts: point.cuts,
+            stability: stability(point),
+            is_sample: point.is_sample,
         }
     };
     points.iter().enumerate().map(observe).collect()

@@ -14,6 +14,7 @@ pub mod local;
 pub mod material;
 mod patch_model;
 mod shell_model;
+mod stretch_bound;
 pub mod system;
 #[cfg(test)]
 mod term_suite;
@@ -25,3 +26,4 @@ pub use edge_support::{EdgeSupport, EdgeSupports};
 pub use load::DeadLoad;
 pub use patch_model::PatchLoads;
 pub use shell_model::{ShellModel, Support};
+pub use stretch_bound::DEFAULT_STRETCH_BOUND;

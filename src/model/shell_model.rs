@@ -10,11 +10,12 @@ use super::assembly::{Assembler, Slots};
 use super::contact::{PlaneContact, PlaneSettings};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::element::SampledSurface;
+use super::element::{Sample, SampledSurface};
 use super::load::{ChamberPressure, EdgeMoment};
 use super::local::Term;
 use super::material::Material;
-use super::system::{Inadmissible, LoadedSystem, SparsityPattern, System};
+use super::stretch_bound::StretchBound;
+use super::system::{Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPattern, System};
 use super::tie::{Tied, Ties};
 use crate::math::{Rejected, Vec3};
 use crate::mesh::ShellMesh;
@@ -42,6 +43,7 @@ pub struct ShellModel {
     pub(super) force_scale: f64,
     energy_rounding: f64,
     surface: SampledSurface,
+    stretch_bound: StretchBound,
 }
 
 /// What a model of a closed part holds fixed.
@@ -129,6 +131,7 @@ impl ShellModel {
             force_scale: material.shear_modulus() * parts.thickness * element_size,
             // Invariants of an undeformed wall carry a rounding of 1e-16 each, of either sign.
             energy_rounding: 1e-17 * material.young_modulus() * parts.thickness * area,
+            stretch_bound: StretchBound::new(&surface, &reference),
             surface,
             ties,
             wall,
@@ -159,6 +162,17 @@ impl ShellModel {
     /// Takes the planes of the scene away, or puts them back; only [`Self::smallest_gap`] still sees lifted planes.
     pub fn lift_planes(&mut self, lifted: bool) {
         self.planes_lifted = lifted;
+    }
+
+    /// Sets the stretch beyond which the part is said to balloon; [`super::DEFAULT_STRETCH_BOUND`] unless set.
+    pub fn set_stretch_bound(&mut self, bound: f64) {
+        self.stretch_bound.bound = bound;
+    }
+
+    /// Where the unknown `unknown` acts, at displacement `u`: the position of its node, mm.
+    #[must_use]
+    pub fn place_of(&self, unknown: usize, u: &[f64]) -> Vec3 {
+        self.displaced(u)[unknown / 3]
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
@@ -358,6 +372,17 @@ impl LoadedSystem for ShellModel {
             moments.inner_mut().settle(&positions);
         }
         0.0
+    }
+
+    fn passed_limit(&self, u: &[f64]) -> Option<Limit> {
+        let at = |sample: u32| {
+            let Sample { nodes, weights } = &self.surface.samples[sample as usize];
+            let heaviest = (0..nodes.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
+            3 * nodes[heaviest.expect("a sample has nodes")] as usize
+        };
+        let samples = self.surface.at(&self.displaced(u));
+        let stretched = self.stretch_bound.passed(&samples);
+        stretched.map(|sample| Limit { kind: LimitKind::Ballooning, unknown: at(sample) })
     }
 }
 

@@ -27,6 +27,18 @@ impl SparsityPattern {
         self.column_starts.len() - 1
     }
 
+    /// Where each column's diagonal entry is stored.
+    ///
+    /// # Panics
+    /// When a diagonal entry is missing.
+    pub fn diagonal(&self) -> impl Iterator<Item = usize> {
+        self.column_starts.windows(2).enumerate().map(|(column, bounds)| {
+            let rows = &self.row_indices[bounds[0] as usize..bounds[1] as usize];
+            let within = rows.binary_search(&(column as u32)).expect("the diagonal is stored");
+            bounds[0] as usize + within
+        })
+    }
+
     /// The number of stored entries.
     #[must_use]
     pub fn stored(&self) -> usize {

@@ -4,6 +4,10 @@
 //! Both run the same line search on the energy, so that they walk through the same iterates.
 
 mod backend;
+mod bordered;
+mod curve;
+mod damped;
+mod ending;
 mod factor;
 mod line_search;
 mod native;
@@ -12,8 +16,11 @@ mod path;
 #[cfg(feature = "petsc")]
 mod petsc;
 mod shift;
+mod snap;
 #[cfg(test)]
 mod solver_suite;
+mod stability_loss;
+mod supply;
 #[cfg(test)]
 mod test_systems;
 
@@ -22,10 +29,13 @@ use serde::{Deserialize, Serialize};
 use crate::model::system::System;
 
 pub use backend::Backend;
+pub use ending::Ending;
 pub use native::NativeSolver;
-pub use path::{Ending, Path, PathPoint, PathSettings, follow};
+pub use path::{Cubic, Path, PathPoint, PathSettings, Programme, Segment, follow};
 #[cfg(feature = "petsc")]
 pub use petsc::Snes;
+pub use snap::Snap;
+pub use supply::Supply;
 
 /// When Newton's method stops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,11 +45,14 @@ pub struct NewtonSettings {
     pub tolerance: f64,
     /// Given up after this many iterations.
     pub max_iterations: usize,
+    /// Given up at the first indefinite tangent, instead of shifting it.
+    #[serde(skip)]
+    pub stops_when_indefinite: bool,
 }
 
 impl Default for NewtonSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_iterations: 25 }
+        Self { tolerance: 1e-9, max_iterations: 25, stops_when_indefinite: false }
     }
 }
 
@@ -57,6 +70,8 @@ pub enum NewtonEnding {
     Inadmissible,
     /// The tangent could not be made positive definite by a shift.
     Singular,
+    /// The tangent was indefinite, and a shift was not wanted.
+    Indefinite,
 }
 
 /// What a Newton solve did.
@@ -125,6 +140,9 @@ pub trait EquilibriumSolver {
     /// # Panics
     /// When no tangent that can be inverted was [`Self::linearize`]d since the last [`Self::solve`].
     fn solve_linearized(&mut self, b: &mut [f64]) -> Result<(), SolverFailure>;
+
+    /// Whether the last [`Self::linearize`]d tangent can be inverted.
+    fn is_invertible(&self) -> bool;
 
     /// CPU seconds so far.
     fn times(&self) -> SolveTimes;

@@ -95,10 +95,14 @@ impl NativeSolver {
                 return NewtonEnding::IterationLimit;
             }
             report.iterations += 1;
-            let shift = self.find_direction(stable);
+            let shift = self.find_direction(stable, settings.stops_when_indefinite);
             report.shifted += usize::from(shift != Some(0.0));
             if shift.is_none() {
-                return NewtonEnding::Singular;
+                return if settings.stops_when_indefinite {
+                    NewtonEnding::Indefinite
+                } else {
+                    NewtonEnding::Singular
+                };
             }
 
             let slope = dot(&self.residual, &self.direction);
@@ -132,11 +136,11 @@ impl NativeSolver {
         (all_finite(&self.trial_residual) && self.tangent_is_finite()).then_some(energy)
     }
 
-    /// Solves for the direction with the smallest shift that leaves at most `stable` negative pivots; returns
-    /// that shift.
-    fn find_direction(&mut self, stable: usize) -> Option<f64> {
+    /// Solves for the direction with the smallest shift, or `unshifted`, that leaves at most `stable` negative pivots;
+    /// returns that shift.
+    fn find_direction(&mut self, stable: usize, unshifted: bool) -> Option<f64> {
         let start = cpu_seconds();
-        let shift = self.factorize_stable(stable);
+        let shift = self.factorize_stable(stable, unshifted);
         if shift.is_some() {
             for (direction, residual) in self.direction.iter_mut().zip(&self.residual) {
                 *direction = -residual;
@@ -147,13 +151,14 @@ impl NativeSolver {
         shift
     }
 
-    fn factorize_stable(&mut self, stable: usize) -> Option<f64> {
+    fn factorize_stable(&mut self, stable: usize, unshifted: bool) -> Option<f64> {
         for (diagonal, column) in self.diagonal.iter_mut().zip(&self.lower) {
             *diagonal = self.entries[column.start];
         }
         let sizes = self.diagonal.iter().map(|diagonal| diagonal.abs());
         let mean = sizes.sum::<f64>() / self.diagonal.len() as f64;
-        shifts(mean).find(|shift| {
+        let tried = if unshifted { 1 } else { usize::MAX };
+        shifts(mean).take(tried).find(|shift| {
             for (diagonal, column) in self.diagonal.iter().zip(&self.lower) {
                 self.entries[column.start] = diagonal + shift;
             }
@@ -216,6 +221,10 @@ impl EquilibriumSolver for NativeSolver {
         self.factor.solve(b);
         self.times.factorization += cpu_seconds() - start;
         Ok(())
+    }
+
+    fn is_invertible(&self) -> bool {
+        self.linearized
     }
 
     fn times(&self) -> SolveTimes {

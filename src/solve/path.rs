@@ -1,27 +1,39 @@
-//! The loading path: equilibria at increasing load.
+//! The loading path: equilibria as a programme is driven on.
 //!
-//! Every accepted state is a stable equilibrium. States stand at fixed sample loads, so that what is read off
-//! a path hardly depends on how it was walked; between samples the step is halved when Newton's method fails, when it
-//! met an indefinite tangent, and when the work done is not the energy stored. What is still so at the smallest step
-//! is accepted and marked: the part snapped. A step starts from a prediction: the cubic through the last two states and their tangents
+//! A supply ([`Supply`]) drives the system: its load is given, or the load's conjugate (a volume), or an amount of gas.
+//! Every accepted state is an equilibrium that is stable under its supply. States stand at fixed samples of the drive, so
+//! that what is read off a path does not depend on how it was walked; between samples the step follows Newton's work and
+//! the change of the path's direction, and it is halved when Newton's method fails, when it met an indefinite tangent, and
+//! when the work done is not the energy stored. What is still so at the smallest step is a loss of stability: the
+//! state falls to the next stable one (`snap.rs`), which is recorded. A step starts from a prediction: the cubic through the last
+//! two states and their tangents
 //!
 //! ```text
 //! K dx/dload = dC/dx          dC/dload = dC/dx . dx/dload          C = conjugate of the load (volume)
-//! work = int load dC = [load C] - int C dload      by Hermite's rule, whose error is of fourth order
+//! work = int load dC          both by Hermite's cubics: their error is of fourth order
 //! ```
+//!
+//! A [`Programme::Curve`] is the whole equilibrium curve, stable or not (`curve.rs`).
 
 use serde::{Deserialize, Serialize};
 
-use super::{EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
+use super::bordered::{self, Constraint};
+use super::curve;
+use super::ending::Ending;
+use super::snap::Snap;
+use super::supply::Supply;
+use super::{EquilibriumSolver, NewtonReport, NewtonSettings, SolverFailure};
 use crate::model::system::LoadedSystem;
 
 /// How a path is walked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PathSettings {
-    /// Number of equal load steps to the largest load.
+    /// Number of equal parts of the programme, at whose ends states are sampled.
     pub steps: usize,
-    /// How often a step may be halved before the path ends.
+    /// The largest step, as a share of one of these parts.
+    pub largest_step: f64,
+    /// How often a part may be halved before the path loses its stability or ends.
     pub halvings: u32,
     /// A step is halved while work done and energy stored differ by more than this share of the work so far.
     pub work_tolerance: f64,
@@ -35,50 +47,46 @@ impl Default for PathSettings {
     fn default() -> Self {
         Self {
             steps: 10,
+            largest_step: 1.0,
             halvings: 5,
             work_tolerance: 1e-3,
-            iteration_budget: 400,
+            iteration_budget: 1000,
             newton: NewtonSettings::default(),
         }
     }
 }
 
-/// Why a path ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Ending {
-    /// The largest load was reached.
-    Reached,
-    /// Beyond this load no stable equilibrium is near: the energy loses its minimum.
-    LimitPoint,
-    /// The equilibrium beyond this load exists but is not stable.
-    Unstable,
-    /// Elements invert or folds close.
-    Inverted,
-    /// Newton's method does not converge, for no reason of the above.
-    Stalled,
-    /// The budget of iterations was spent.
-    BudgetSpent,
+/// What a path is driven through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Programme {
+    /// A supply is driven from rest to its end: a load, a volume (mm^3), an amount of gas.
+    Driven {
+        /// Which equation binds load and conjugate.
+        supply: Supply,
+        /// The last value of the drive.
+        end: f64,
+    },
+    /// All equilibria on the curve from rest to where it first reaches this load, stable or not.
+    Curve {
+        /// The load at which the curve ends.
+        end: f64,
+    },
 }
 
-impl Ending {
-    /// The ending as tables write it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Reached => "reached",
-            Self::LimitPoint => "limit_point",
-            Self::Unstable => "unstable",
-            Self::Inverted => "inverted",
-            Self::Stalled => "stalled",
-            Self::BudgetSpent => "budget_spent",
-        }
+impl From<f64> for Programme {
+    /// A load that is given, and rises to `end`.
+    fn from(end: f64) -> Self {
+        Self::Driven { supply: Supply::Load, end }
     }
 }
 
-/// A stable equilibrium on a path.
+/// An equilibrium on a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathPoint {
+    /// Where on the path: the drive of the supply, or the length of the arc.
+    pub drive: f64,
+    /// Whether it lies on an arc, where `drive` is a length.
+    pub on_arc: bool,
     /// The load (pressure, MPa).
     pub load: f64,
     /// Its conjugate (volume, mm^3).
@@ -87,231 +95,555 @@ pub struct PathPoint {
     pub work: f64,
     /// Potential energy without the load's own, mJ: what the wall and the barriers store.
     pub stored_energy: f64,
+    /// Energy given off by snaps and friction since the start of the path, mJ.
+    pub dissipated: f64,
     /// The unknowns, `[n]`.
     pub x: Vec<f64>,
-    /// Their derivative with respect to the load, `[n]`.
+    /// Their derivative with respect to the drive, `[n]`.
     pub rate: Vec<f64>,
-    /// The conjugate's derivative with respect to the load.
+    /// The load's derivative with respect to the drive.
+    pub load_rate: f64,
+    /// The conjugate's derivative with respect to the drive.
     pub conjugate_rate: f64,
+    /// Negative pivots of the tangent beyond those of a stable system: directions that are lost where the load is given.
+    pub negative_pivots: usize,
+    /// Whether no direction is lost under the path's own supply.
+    pub is_stable: bool,
+    /// Whether it stands at a sample of the programme.
+    pub is_sample: bool,
     /// Newton iterations spent since the point before, on steps that were given up too.
     pub newton_iterations: usize,
-    /// Iterations of the last step whose tangent was indefinite: above 0 the part snapped here, or came near it.
-    pub shifted: usize,
+    /// Steps given up since the point before.
+    pub cuts: usize,
+    /// The loss of stability on the way here from the point before.
+    pub snap: Option<Snap>,
+}
+
+impl PathPoint {
+    /// A point with `order` unknowns that has not moved, at `drive`.
+    #[must_use]
+    pub fn at_rest(drive: f64, order: usize) -> Self {
+        Self {
+            drive,
+            on_arc: false,
+            load: 0.0,
+            conjugate: 0.0,
+            work: 0.0,
+            stored_energy: 0.0,
+            dissipated: 0.0,
+            x: vec![0.0; order],
+            rate: vec![0.0; order],
+            load_rate: 1.0,
+            conjugate_rate: 0.0,
+            negative_pivots: 0,
+            is_stable: true,
+            is_sample: true,
+            newton_iterations: 0,
+            cuts: 0,
+            snap: None,
+        }
+    }
 }
 
 /// A walked path, its start included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// Stable equilibria at increasing load.
+    /// Equilibria in the order of the walk.
     pub points: Vec<PathPoint>,
     /// Why there are no more.
     pub ending: Ending,
+    /// An unknown where the path ended: where a bound was passed, or else what moved fastest there.
+    pub place: Option<usize>,
 }
 
-/// Follows the equilibrium of `system` from the last of `points` (from rest where empty) to `max_load`.
+impl Path {
+    /// The points that the part snapped or buckled to, with the points before.
+    pub fn snaps(&self) -> impl Iterator<Item = [&PathPoint; 2]> {
+        self.points.windows(2).map(|pair| [&pair[0], &pair[1]]).filter(|[_, to]| to.snap.is_some())
+    }
+}
+
+/// Follows the equilibrium of `system` from the last of `points` (from rest where empty) through `programme`.
 ///
-/// The sample loads are `max_load k / steps` whatever the start.
+/// The samples stand at equal parts of the programme whatever the start.
 ///
 /// # Errors
 /// [`SolverFailure`] when a library fails; a path that ends early is a value.
 pub fn follow(
     system: &mut dyn LoadedSystem,
     solver: &mut dyn EquilibriumSolver,
-    max_load: f64,
+    programme: impl Into<Programme>,
     points: Vec<PathPoint>,
     settings: &PathSettings,
 ) -> Result<Path, SolverFailure> {
-    let mut walk = Walk { system, solver, settings, points, iterations: 0, spent: 0 };
-    let ending = walk.to(max_load)?;
-    Ok(Path { points: walk.points, ending })
+    let programme = programme.into();
+    let supply = match programme {
+        Programme::Driven { supply, .. } => supply,
+        Programme::Curve { .. } => Supply::Load,
+    };
+    let mut walk = Walk {
+        system,
+        solver,
+        settings,
+        supply,
+        span: 1.0,
+        step: f64::INFINITY,
+        points,
+        iterations: 0,
+        cuts: 0,
+        spent: 0,
+        place: None,
+    };
+    let ending = match programme {
+        Programme::Driven { end, .. } => walk.drive_to(end)?,
+        Programme::Curve { end } => curve::trace(&mut walk, end)?,
+    };
+    if !ending.is_complete() && walk.place.is_none() {
+        walk.place = walk.points.last().and_then(|last| fastest(&last.rate));
+    }
+    Ok(Path { points: walk.points, ending, place: walk.place })
 }
 
-struct Walk<'a> {
-    system: &'a mut dyn LoadedSystem,
-    solver: &'a mut dyn EquilibriumSolver,
-    settings: &'a PathSettings,
-    points: Vec<PathPoint>,
-    /// Since the last accepted point.
-    iterations: usize,
-    /// On this path.
-    spent: usize,
+/// A path being walked.
+pub(super) struct Walk<'a> {
+    pub system: &'a mut dyn LoadedSystem,
+    pub solver: &'a mut dyn EquilibriumSolver,
+    pub settings: &'a PathSettings,
+    pub supply: Supply,
+    /// Of the drive, from rest to the end.
+    pub span: f64,
+    /// The step to try next.
+    pub step: f64,
+    pub points: Vec<PathPoint>,
+    /// Newton iterations since the last accepted point.
+    pub iterations: usize,
+    /// Steps given up since the last accepted point.
+    pub cuts: usize,
+    /// Newton iterations on this path.
+    pub spent: usize,
+    pub place: Option<usize>,
+}
+
+/// A state and its load.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    pub x: Vec<f64>,
+    pub load: f64,
+}
+
+/// Why an equilibrium was not found, and the unstable one where there is one.
+#[derive(Clone, Debug)]
+pub(super) struct Missed {
+    pub ending: Ending,
+    pub unstable: Option<State>,
+}
+
+impl From<Ending> for Missed {
+    fn from(ending: Ending) -> Self {
+        Self { ending, unstable: None }
+    }
 }
 
 impl Walk<'_> {
-    fn to(&mut self, max_load: f64) -> Result<Ending, SolverFailure> {
+    fn drive_to(&mut self, end: f64) -> Result<Ending, SolverFailure> {
         if self.points.is_empty()
-            && let Err(ending) = self.accept_start()?
+            && let Err(missed) = self.accept_start()?
         {
-            return Ok(ending);
+            return Ok(missed.ending);
         }
-        let steps = self.settings.steps;
-        let sample_step = max_load / steps as f64;
-        for k in 1..=steps {
-            let target = max_load * k as f64 / steps as f64;
-            let is_ahead = target > self.last().load + 1e-9 * sample_step;
-            if is_ahead && let Some(ending) = self.reach(target, sample_step)? {
+        let start = self.supply.at_rest(self.points[0].conjugate);
+        self.span = end - start;
+        let part = self.span / self.settings.steps as f64;
+        for k in 1..=self.settings.steps {
+            let target = start + self.span * k as f64 / self.settings.steps as f64;
+            let is_ahead = (target - self.last().drive) / part > 1e-9;
+            if is_ahead && let Some(ending) = self.reach(target, part)? {
                 return Ok(ending);
             }
         }
-        Ok(Ending::Reached)
+        let is_snapped = self.points.iter().any(|point| point.snap.is_some());
+        Ok(if is_snapped { Ending::SnappedAndContinued } else { Ending::Reached })
+    }
+
+    /// Finds the state at rest.
+    pub(super) fn accept_start(&mut self) -> Result<Result<(), Missed>, SolverFailure> {
+        // At rest nothing moves, unless a barrier already pushes.
+        let x = vec![0.0; self.system.pattern().order()];
+        self.system.set_load(0.0);
+        let drive = self.supply.at_rest(self.system.conjugate(&x));
+        let supply = std::mem::replace(&mut self.supply, Supply::Load);
+        let found = self.equilibrium(0.0, State { x, load: 0.0 })?;
+        self.supply = supply;
+        Ok(found.map(|mut point| {
+            if supply != Supply::Load {
+                self.turn_to_supply(&mut point);
+            }
+            point.drive = drive;
+            point.is_sample = true;
+            self.accept(point);
+        }))
+    }
+
+    /// Gives the rates of a point, which are those of a given load, with respect to the drive of the supply.
+    fn turn_to_supply(&self, point: &mut PathPoint) {
+        let by_load = point.conjugate_rate;
+        let load_rate =
+            self.supply.equation(point.load, point.conjugate, point.drive).load_rate(by_load);
+        point.rate.iter_mut().for_each(|rate| *rate *= load_rate);
+        point.load_rate = load_rate;
+        point.conjugate_rate = by_load * load_rate;
     }
 
     /// Walks to `target`, halving the step where it fails or is too coarse; the ending, where one came first.
-    fn reach(&mut self, target: f64, sample_step: f64) -> Result<Option<Ending>, SolverFailure> {
-        let smallest = sample_step * 0.5_f64.powi(self.settings.halvings as i32);
-        let mut step = target - self.last().load;
+    fn reach(&mut self, target: f64, part: f64) -> Result<Option<Ending>, SolverFailure> {
+        let smallest = part * 0.5_f64.powi(self.settings.halvings as i32);
+        let largest =
+            part * self.settings.largest_step.max(0.5_f64.powi(self.settings.halvings as i32));
         loop {
-            let from = self.last().load;
-            let load = if step >= (target - from) * (1.0 - 1e-9) { target } else { from + step };
-            let halved = 0.5 * (load - from);
-            let may_halve = halved >= smallest * (1.0 - 1e-9);
-            self.system.set_load(load);
-            let guess = self.prediction(load);
-            match self.equilibrium(load, guess)? {
-                Ok(point) if self.resolves(&point) || !may_halve => {
-                    self.system.settle(&point.x);
-                    self.points.push(point);
-                    self.iterations = 0;
-                    if load == target {
+            let from = self.last().drive;
+            let left = target - from;
+            let mut step = if self.step.abs() < largest.abs() { self.step } else { largest };
+            // Two equal steps rather than a long and a tiny one.
+            if (left / step) < 1.0 + 1e-9 {
+                step = left;
+            } else if (left / step) < 2.0 {
+                step = 0.5 * left;
+            }
+            let drive = if step == left { target } else { from + step };
+            let halved = 0.5 * step;
+            let may_halve = halved / smallest >= 1.0 - 1e-9;
+            let guess = self.prediction(drive);
+            let predicted = guess.clone();
+            let tried = self.equilibrium(drive, guess)?;
+            match tried {
+                Ok(mut point) if self.resolves(&point) => {
+                    self.step = step * self.growth(&point, &predicted);
+                    point.is_sample = drive == target;
+                    self.accept(point);
+                    if drive == target {
                         return Ok(None);
                     }
                 }
-                Err(Ending::BudgetSpent) => return Ok(Some(Ending::BudgetSpent)),
-                Err(ending) if !may_halve => return Ok(Some(ending)),
-                Ok(_) | Err(_) => step = halved,
+                Err(Missed { ending: Ending::BudgetSpent, .. }) => {
+                    return Ok(Some(Ending::BudgetSpent));
+                }
+                _ if may_halve => {
+                    self.step = halved;
+                    self.cuts += 1;
+                    self.place = None;
+                }
+                Err(Missed { ending, .. })
+                    if matches!(ending, Ending::Ballooning | Ending::SelfTouch) =>
+                {
+                    return Ok(Some(ending));
+                }
+                unresolved => {
+                    let saddle = unresolved.err().and_then(|missed| missed.unstable);
+                    match self.fall(drive, saddle)? {
+                        Ok(mut point) => {
+                            self.step = 4.0 * smallest;
+                            point.is_sample = drive == target;
+                            self.accept(point);
+                            if drive == target {
+                                return Ok(None);
+                            }
+                        }
+                        Err(ending) => return Ok(Some(ending)),
+                    }
+                }
             }
         }
     }
 
-    fn accept_start(&mut self) -> Result<Result<(), Ending>, SolverFailure> {
-        self.system.set_load(0.0);
-        // At rest nothing moves, unless a barrier already pushes.
-        let rest = vec![0.0; self.system.pattern().order()];
-        let start = self.equilibrium(0.0, rest)?;
-        Ok(start.map(|point| self.points.push(point)))
+    /// The factor on the next step: more where Newton's method had little to do, and where the prediction was near.
+    fn growth(&self, point: &PathPoint, predicted: &State) -> f64 {
+        let last = self.last();
+        let (mut missed, mut moved) = (0.0, 0.0);
+        for ((x, guess), before) in point.x.iter().zip(&predicted.x).zip(&last.x) {
+            missed += (x - guess) * (x - guess);
+            moved += (x - before) * (x - before);
+        }
+        let by_work = (EASY_ITERATIONS / self.iterations.max(1) as f64).sqrt();
+        // The prediction's error is of third order or better.
+        let by_shape =
+            if moved > 0.0 { (NEAR * NEAR * moved / missed).powf(1.0 / 6.0) } else { 2.0 };
+        by_work.min(by_shape).clamp(0.5, 2.0)
     }
 
-    /// Whether the step to `point` is fine enough to be believed: Newton met no indefinite tangent on the way, and the
-    /// work done equals the energy stored.
+    pub(super) fn accept(&mut self, mut point: PathPoint) {
+        let heat = self.system.settle(&point.x);
+        point.dissipated += heat;
+        point.stored_energy -= heat;
+        self.points.push(point);
+        (self.iterations, self.cuts) = (0, 0);
+    }
+
+    /// Whether the step to `point` is fine enough to be believed: the work done is the energy stored.
     fn resolves(&self, point: &PathPoint) -> bool {
         let last = self.last();
         let stored = point.stored_energy - last.stored_energy;
         let work = point.work - last.work;
-        point.shifted == 0
-            && (work - stored).abs() <= self.settings.work_tolerance * point.work.abs()
+        (work - stored).abs() <= self.settings.work_tolerance * point.work.abs()
     }
 
-    /// The stable equilibrium near `x` at `load`, which the system is under.
-    fn equilibrium(
+    /// The stable equilibrium near `guess` at `drive`.
+    pub(super) fn equilibrium(
         &mut self,
-        load: f64,
-        mut x: Vec<f64>,
-    ) -> Result<Result<PathPoint, Ending>, SolverFailure> {
-        let report = self.solver.solve(self.system, &mut x, &self.settings.newton)?;
+        drive: f64,
+        guess: State,
+    ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
+        let mut state = guess;
+        for _ in 0..REFRESHES {
+            let newton = NewtonSettings { stops_when_indefinite: true, ..self.settings.newton };
+            let report = self.solve(drive, &mut state, &newton)?;
+            if self.spent > self.settings.iteration_budget {
+                return Ok(Err(Ending::BudgetSpent.into()));
+            }
+            if let Some(ending) = Ending::of_failure(&report) {
+                return Ok(Err(ending.into()));
+            }
+            if self.system.refresh(&state.x) <= REFRESHED {
+                break;
+            }
+        }
+        self.point(drive, state)
+    }
+
+    /// One Newton solve under the supply.
+    pub(super) fn solve(
+        &mut self,
+        drive: f64,
+        state: &mut State,
+        newton: &NewtonSettings,
+    ) -> Result<NewtonReport, SolverFailure> {
+        let report = if self.supply == Supply::Load {
+            self.system.set_load(drive);
+            state.load = drive;
+            self.solver.solve(self.system, &mut state.x, newton)?
+        } else {
+            let constraint =
+                Constraint::Supplied { supply: &self.supply, drive, scale: self.span.abs() };
+            let State { x, load } = state;
+            bordered::solve(self.system, self.solver, &constraint, x, load, newton)?
+        };
         self.iterations += report.iterations;
         self.spent += report.iterations;
-        if self.spent > self.settings.iteration_budget {
-            return Ok(Err(Ending::BudgetSpent));
-        }
-        if let Some(ending) = failure(&report) {
-            return Ok(Err(ending));
-        }
-        let negative_pivots = self.solver.linearize(self.system, &x)?;
-        if negative_pivots != self.system.stable_negative_pivots() {
-            return Ok(Err(Ending::Unstable));
-        }
-        let mut direction = vec![0.0; x.len()];
-        self.system.load_direction(&x, &mut direction);
-        let mut rate = direction.clone();
-        self.solver.solve_linearized(&mut rate)?;
-        let conjugate = self.system.conjugate(&x);
-        let conjugate_rate = direction.iter().zip(&rate).map(|(a, b)| a * b).sum();
-        let Ok(energy) = self.system.energy(&x) else {
-            return Ok(Err(Ending::Inverted));
+        Ok(report)
+    }
+
+    /// The point of the path at an equilibrium, where it is stable and within the model's bounds.
+    pub(super) fn point(
+        &mut self,
+        drive: f64,
+        state: State,
+    ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
+        let Some(mut point) = self.any_point(&state)? else {
+            return Ok(Err(Missed { ending: Ending::LimitPoint, unstable: Some(state) }));
         };
-        let mut point = PathPoint {
-            load,
-            conjugate,
-            work: 0.0,
-            stored_energy: energy + load * conjugate,
-            x,
-            rate,
-            conjugate_rate,
-            newton_iterations: self.iterations,
-            shifted: report.shifted,
-        };
+        let equation = self.supply.equation(point.load, point.conjugate, drive);
+        let cured = equation.cures(point.conjugate_rate);
+        if point.negative_pivots > cured {
+            return Ok(Err(Missed { ending: Ending::Unstable, unstable: Some(state) }));
+        }
+        if let Some(limit) = self.system.passed_limit(&state.x) {
+            self.place = Some(limit.unknown);
+            return Ok(Err(Ending::from(limit.kind).into()));
+        }
+        point.drive = drive;
+        point.is_stable = true;
+        if self.supply != Supply::Load {
+            self.turn_to_supply(&mut point);
+        }
         if let Some(last) = self.points.last() {
             point.work = last.work + work_between(last, &point);
         }
         Ok(Ok(point))
     }
 
-    fn last(&self) -> &PathPoint {
+    /// The point of an equilibrium, stable or not, its rates with respect to the load; none where the tangent is
+    /// singular. Its work is still to be added.
+    pub(super) fn any_point(&mut self, state: &State) -> Result<Option<PathPoint>, SolverFailure> {
+        let State { x, load } = state;
+        let stable = self.system.stable_negative_pivots();
+        self.system.set_load(*load);
+        let negative = self.solver.linearize(self.system, x)?;
+        let energy = self.system.energy(x);
+        let (true, Ok(energy)) = (self.solver.is_invertible(), energy) else {
+            return Ok(None);
+        };
+        let mut direction = vec![0.0; x.len()];
+        self.system.load_direction(x, &mut direction);
+        let mut rate = direction.clone();
+        self.solver.solve_linearized(&mut rate)?;
+        let conjugate = self.system.conjugate(x);
+        Ok(Some(PathPoint {
+            drive: *load,
+            on_arc: false,
+            load: *load,
+            conjugate,
+            work: 0.0,
+            stored_energy: energy + load * conjugate,
+            dissipated: self.points.last().map_or(0.0, |last| last.dissipated),
+            x: x.clone(),
+            conjugate_rate: bordered::dot(&direction, &rate),
+            rate,
+            load_rate: 1.0,
+            negative_pivots: negative.saturating_sub(stable),
+            is_stable: negative <= stable,
+            is_sample: false,
+            newton_iterations: self.iterations,
+            cuts: self.cuts,
+            snap: None,
+        }))
+    }
+
+    pub(super) fn last(&self) -> &PathPoint {
         self.points.last().expect("the start is accepted first")
     }
 
     /// The better of the cubic and the tangent by the size of their residual; the last state where neither is admissible.
-    fn prediction(&mut self, load: f64) -> Vec<f64> {
+    fn prediction(&mut self, drive: f64) -> State {
         let last = self.last();
-        let mut steps = vec![tangent_step(last, load)];
-        if let [.., before, last] = self.points.as_slice() {
-            steps.push(cubic_step(before, last, load));
+        let step = drive - last.drive;
+        let mut candidates = vec![tangent_step(last, step)];
+        if let [.., before, last] = self.points.as_slice()
+            && last.snap.is_none()
+        {
+            candidates.push(cubic_step(before, last, step));
         }
-        let start = last.x.clone();
-        let mut best = start.clone();
-        let mut residual = vec![0.0; best.len()];
-        let mut smallest = f64::INFINITY;
-        for step in steps {
-            let length = self.system.longest_step(&start, &step);
-            let x: Vec<f64> = start.iter().zip(&step).map(|(x, dx)| x + length * dx).collect();
-            if self.system.residual(&x, &mut residual).is_ok() {
-                let size = residual.iter().map(|r| r * r).sum::<f64>();
-                if size < smallest {
-                    (smallest, best) = (size, x);
-                }
+        let start = State { x: last.x.clone(), load: last.load };
+        best_prediction(self.system, start, candidates)
+    }
+}
+
+/// The admissible one of `steps` (of state and load) from `start` with the smallest residual; `start` where none is.
+pub(super) fn best_prediction(
+    system: &mut dyn LoadedSystem,
+    start: State,
+    steps: Vec<(Vec<f64>, f64)>,
+) -> State {
+    let mut best = start.clone();
+    let mut residual = vec![0.0; start.x.len()];
+    let mut smallest = f64::INFINITY;
+    for (dx, dload) in steps {
+        let length = system.longest_step(&start.x, &dx);
+        let x: Vec<f64> = start.x.iter().zip(&dx).map(|(x, dx)| x + length * dx).collect();
+        let load = start.load + length * dload;
+        system.set_load(load);
+        if system.residual(&x, &mut residual).is_ok() {
+            let size = bordered::dot(&residual, &residual);
+            if size < smallest {
+                (smallest, best) = (size, State { x, load });
             }
         }
-        best
     }
+    best
 }
 
-fn failure(report: &NewtonReport) -> Option<Ending> {
-    match report.ending {
-        NewtonEnding::Converged => None,
-        _ if report.shifted > 0 => Some(Ending::LimitPoint),
-        NewtonEnding::Singular => Some(Ending::LimitPoint),
-        NewtonEnding::Inadmissible => Some(Ending::Inverted),
-        NewtonEnding::IterationLimit | NewtonEnding::LineSearchFailed => Some(Ending::Stalled),
-    }
+/// Newton iterations at which a step is as long as it should be.
+const EASY_ITERATIONS: f64 = 5.0;
+/// The error of a prediction, as a share of the step, at which it is as long as it should be.
+const NEAR: f64 = 0.2;
+/// Solves of one state until what the energy takes as constant agrees with it.
+const REFRESHES: usize = 12;
+/// How well it has to agree.
+const REFRESHED: f64 = 1e-4;
+
+/// The unknown that moves fastest.
+fn fastest(rate: &[f64]) -> Option<usize> {
+    (0..rate.len()).max_by(|&a, &b| rate[a].abs().total_cmp(&rate[b].abs()))
 }
 
-fn tangent_step(last: &PathPoint, load: f64) -> Vec<f64> {
-    last.rate.iter().map(|rate| (load - last.load) * rate).collect()
+/// A step of state and load along the tangent.
+pub(super) fn tangent_step(last: &PathPoint, step: f64) -> (Vec<f64>, f64) {
+    (last.rate.iter().map(|rate| step * rate).collect(), step * last.load_rate)
 }
 
-/// The step to `load` along the cubic through two states with their rates.
-fn cubic_step(before: &PathPoint, last: &PathPoint, load: f64) -> Vec<f64> {
-    let h = last.load - before.load;
-    let s = (load - before.load) / h;
+/// The step along the cubic through two states with their rates.
+pub(super) fn cubic_step(before: &PathPoint, last: &PathPoint, step: f64) -> (Vec<f64>, f64) {
+    let h = last.drive - before.drive;
+    let s = (h + step) / h;
     // Hermite's basis at s, less its value at s = 1.
     let (s2, s3) = (s * s, s * s * s);
     let at_before = 2.0 * s3 - 3.0 * s2 + 1.0;
     let rate_before = h * (s3 - 2.0 * s2 + s);
     let rate_last = h * (s3 - s2);
-    (0..last.x.len())
-        .map(|i| {
-            at_before * (before.x[i] - last.x[i])
-                + rate_before * before.rate[i]
-                + rate_last * last.rate[i]
-        })
-        .collect()
+    let at = |a: f64, b: f64, rate_a: f64, rate_b: f64| {
+        at_before * (a - b) + rate_before * rate_a + rate_last * rate_b
+    };
+    let dx = (0..last.x.len())
+        .map(|i| at(before.x[i], last.x[i], before.rate[i], last.rate[i]))
+        .collect();
+    (dx, at(before.load, last.load, before.load_rate, last.load_rate))
 }
 
 /// `int load dC` between two states.
-fn work_between(a: &PathPoint, b: &PathPoint) -> f64 {
-    let h = b.load - a.load;
-    // Relative to a's conjugate, so that nothing large cancels.
+pub(super) fn work_between(a: &PathPoint, b: &PathPoint) -> f64 {
     let rise = b.conjugate - a.conjugate;
-    let integral = 0.5 * h * rise + h * h / 12.0 * (a.conjugate_rate - b.conjugate_rate);
-    b.load * rise - integral
+    let [from, to] = Segment::between(a, b).scales;
+    let load = Cubic { ends: [a.load, b.load], slopes: [from * a.load_rate, to * b.load_rate] };
+    // Relative to a's conjugate, so that nothing large cancels.
+    let conjugate =
+        Cubic { ends: [0.0, rise], slopes: [from * a.conjugate_rate, to * b.conjugate_rate] };
+    // Gauss's three points are exact for the fifth degree.
+    let half = 0.5 * 0.6_f64.sqrt();
+    [(0.5 - half, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + half, 5.0 / 18.0)]
+        .iter()
+        .map(|&(s, weight)| weight * load.at(s) * conjugate.slope(s))
+        .sum()
+}
+
+/// `int load dC` of a jump from one state to another.
+pub(super) fn work_at_once(a: &PathPoint, b: &PathPoint) -> f64 {
+    0.5 * (a.load + b.load) * (b.conjugate - a.conjugate)
+}
+
+/// The part of a path between two of its points, as a curve over 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// What turns the rates at the two ends into derivatives by that parameter.
+    pub scales: [f64; 2],
+}
+
+impl Segment {
+    /// The segment from `a` to `b`.
+    #[must_use]
+    pub fn between(a: &PathPoint, b: &PathPoint) -> Self {
+        if a.on_arc == b.on_arc {
+            return Self { scales: [b.drive - a.drive; 2] };
+        }
+        let chord: Vec<f64> = b.x.iter().zip(&a.x).map(|(b, a)| b - a).collect();
+        let square = bordered::dot(&chord, &chord);
+        Self { scales: [a, b].map(|point| square / bordered::dot(&point.rate, &chord)) }
+    }
+}
+
+/// A cubic over 0 to 1 by its ends and slopes there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cubic {
+    /// Values at 0 and 1.
+    pub ends: [f64; 2],
+    /// Derivatives at 0 and 1.
+    pub slopes: [f64; 2],
+}
+
+impl Cubic {
+    /// The value at `s`.
+    #[must_use]
+    pub fn at(&self, s: f64) -> f64 {
+        let [a, b] = self.ends;
+        let [da, db] = self.slopes;
+        let (s2, s3) = (s * s, s * s * s);
+        a + (b - a) * (3.0 * s2 - 2.0 * s3) + da * (s3 - 2.0 * s2 + s) + db * (s3 - s2)
+    }
+
+    /// The derivative at `s`.
+    #[must_use]
+    pub fn slope(&self, s: f64) -> f64 {
+        let [a, b] = self.ends;
+        let [da, db] = self.slopes;
+        6.0 * (b - a) * (s - s * s)
+            + da * (3.0 * s * s - 4.0 * s + 1.0)
+            + db * (3.0 * s * s - 2.0 * s)
+    }
 }

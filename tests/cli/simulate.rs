@@ -102,7 +102,7 @@ fn the_folder_of_a_scene_holds_what_is_promised() {
     assert_eq!(
         header,
         "step,pressure,volume,work,stored_energy,tip_x,tip_y,tip_z,angle_deg,tangent_angle_deg,\
-         max_displacement,plane_force,newton_iterations,indefinite_iterations,stability"
+         max_displacement,plane_force,newton_iterations,step_cuts,stability,is_sample"
     );
     let series = run.read("out/path.pvd");
     for step in 0..=4 {

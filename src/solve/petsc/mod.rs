@@ -69,6 +69,7 @@ impl EquilibriumSolver for Snes {
             session: &session,
             threshold: settings.tolerance * system.force_scale(),
             stable_negative_pivots: system.stable_negative_pivots(),
+            stops_when_indefinite: settings.stops_when_indefinite,
             system: Observed::new(system),
             tangent: &mut self.tangent,
             energy: f64::INFINITY,
@@ -85,7 +86,11 @@ impl EquilibriumSolver for Snes {
         self.times.assembly += drive.system.seconds();
         self.times.factorization += drive.factorization;
         let ended = ended?;
-        let ending = if drive.inadmissible { NewtonEnding::Inadmissible } else { ended };
+        let ending = match ended {
+            _ if drive.inadmissible => NewtonEnding::Inadmissible,
+            NewtonEnding::Singular if settings.stops_when_indefinite => NewtonEnding::Indefinite,
+            ended => ended,
+        };
         Ok(NewtonReport {
             ending,
             iterations: drive.iterations,
@@ -119,6 +124,10 @@ impl EquilibriumSolver for Snes {
         let solved = self.tangent.factor.solve(&session, b);
         self.times.factorization += cpu_seconds() - start;
         solved
+    }
+
+    fn is_invertible(&self) -> bool {
+        self.linearized
     }
 
     fn times(&self) -> SolveTimes {
@@ -176,16 +185,19 @@ impl Tangent {
         })
     }
 
-    /// Factorises with the smallest shift that leaves at most `negative` negative pivots; returns that shift.
+    /// Factorises with the smallest shift, or `unshifted`, that leaves at most `negative` negative pivots; returns that
+    /// shift.
     fn factorize_stable(
         &mut self,
         session: &Session,
         negative: usize,
+        unshifted: bool,
     ) -> Result<Option<f64>, SolverFailure> {
         let stable = |inertia: Option<Inertia>| {
             inertia.is_some_and(|inertia| inertia.negative <= negative && inertia.zero == 0)
         };
-        for shift in shifts(self.mean_diagonal()) {
+        let tried = if unshifted { 1 } else { usize::MAX };
+        for shift in shifts(self.mean_diagonal()).take(tried) {
             if stable(self.factorize(session, shift)?) {
                 return Ok(Some(shift));
             }
@@ -209,6 +221,7 @@ struct Drive<'a> {
     session: &'a Session,
     threshold: f64,
     stable_negative_pivots: usize,
+    stops_when_indefinite: bool,
     system: Observed<'a>,
     tangent: &'a mut Tangent,
     /// The energy at the iterate, mJ.
@@ -248,7 +261,11 @@ impl Newton for Drive<'_> {
             return Ok(false);
         }
         let start = cpu_seconds();
-        let shift = self.tangent.factorize_stable(self.session, self.stable_negative_pivots)?;
+        let shift = self.tangent.factorize_stable(
+            self.session,
+            self.stable_negative_pivots,
+            self.stops_when_indefinite,
+        )?;
         if shift.is_some() {
             self.tangent.factor.solve(self.session, b)?;
         }

@@ -1,0 +1,71 @@
+//! The stretch beyond which a part is said to balloon.
+//!
+//! ```text
+//! |x_a - x_b| > bound |X_a - X_b|       along any side of a facet of the sampled surface
+//! ```
+//!
+//! It bounds the model's validity (rubbers break) and ends the flight of a part that has no equilibrium left. It is checked on
+//! accepted states only, and is no part of the energy.
+
+use std::collections::BTreeSet;
+
+use super::element::SampledSurface;
+use crate::math::Vec3;
+
+/// The stretch that ends a path unless another is asked for: 500 % strain, more than printed elastomers survive.
+pub const DEFAULT_STRETCH_BOUND: f64 = 6.0;
+
+/// Sides of facets that may be stretched to a bound.
+#[derive(Clone, Debug)]
+pub(super) struct StretchBound {
+    /// The largest stretch allowed.
+    pub(super) bound: f64,
+    /// Two samples and the square of their distance at rest, mm^2.
+    sides: Vec<([u32; 2], f64)>,
+}
+
+impl StretchBound {
+    pub(super) fn new(surface: &SampledSurface, reference: &[Vec3]) -> Self {
+        let at_rest = surface.at(reference);
+        let ends = |facet: &[u32; 3]| {
+            let [a, b, c] = *facet;
+            [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)])
+        };
+        let sides: BTreeSet<[u32; 2]> = surface.facets.iter().flat_map(ends).collect();
+        let square = |[a, b]: [u32; 2]| (at_rest[a as usize] - at_rest[b as usize]).norm_squared();
+        let sides = sides.into_iter().map(|side| (side, square(side))).collect();
+        Self { bound: DEFAULT_STRETCH_BOUND, sides }
+    }
+
+    /// A sample at which the bound is passed most, for samples at `positions`.
+    pub(super) fn passed(&self, positions: &[Vec3]) -> Option<u32> {
+        let square_bound = self.bound * self.bound;
+        let stretch = |&([a, b], square): &([u32; 2], f64)| {
+            ((positions[a as usize] - positions[b as usize]).norm_squared() / square, a)
+        };
+        let longest = self.sides.iter().map(stretch).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        // What is not a number is beyond any bound.
+        (!(longest.0 <= square_bound)).then_some(longest.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::test_shells::TestShell;
+
+    /// A uniform stretch passes the bound exactly where it is larger.
+    #[test]
+    fn bound_is_a_stretch() {
+        let shell = TestShell::new(0);
+        let surface = shell.surface();
+        let bound = StretchBound::new(&surface, &shell.reference);
+        let stretched = |by: f64| {
+            let positions: Vec<Vec3> = shell.reference.iter().map(|x| x * by).collect();
+            bound.passed(&surface.at(&positions))
+        };
+        assert_eq!(stretched(DEFAULT_STRETCH_BOUND * (1.0 - 1e-9)), None);
+        assert!(stretched(DEFAULT_STRETCH_BOUND * (1.0 + 1e-9)).is_some());
+        assert!(stretched(f64::NAN).is_some());
+    }
+}

@@ -1,0 +1,104 @@
+//! A system held back by viscosity: one implicit step of the overdamped motion `damping dx/dt = -R`.
+//!
+//! ```text
+//! E(x) + damping / 2 |x - anchor|^2
+//! ```
+
+use crate::model::system::{Inadmissible, Limit, LoadedSystem, SparsityPattern, System};
+
+/// A system on a viscous bed that lets it rest at `anchor`.
+pub(super) struct Damped<'a> {
+    pub(super) system: &'a mut dyn LoadedSystem,
+    pub(super) anchor: Vec<f64>,
+    /// N/mm.
+    pub(super) damping: f64,
+}
+
+impl Damped<'_> {
+    fn energy_of_bed(&self, x: &[f64]) -> f64 {
+        let moved = x.iter().zip(&self.anchor).map(|(x, anchor)| x - anchor);
+        0.5 * self.damping * moved.map(|moved| moved * moved).sum::<f64>()
+    }
+
+    fn add_force_of_bed(&self, x: &[f64], residual: &mut [f64]) {
+        for ((residual, x), anchor) in residual.iter_mut().zip(x).zip(&self.anchor) {
+            *residual += self.damping * (x - anchor);
+        }
+    }
+}
+
+impl System for Damped<'_> {
+    fn pattern(&self) -> &SparsityPattern {
+        self.system.pattern()
+    }
+
+    fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
+        Ok(self.system.energy(x)? + self.energy_of_bed(x))
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<f64, Inadmissible> {
+        let energy = self.system.residual(x, residual)?;
+        self.add_force_of_bed(x, residual);
+        Ok(energy + self.energy_of_bed(x))
+    }
+
+    fn tangent(
+        &mut self,
+        x: &[f64],
+        residual: &mut [f64],
+        tangent: &mut [f64],
+    ) -> Result<f64, Inadmissible> {
+        let energy = self.system.tangent(x, residual, tangent)?;
+        self.add_force_of_bed(x, residual);
+        for diagonal in self.system.pattern().diagonal() {
+            tangent[diagonal] += self.damping;
+        }
+        Ok(energy + self.energy_of_bed(x))
+    }
+
+    fn longest_step(&self, x: &[f64], dx: &[f64]) -> f64 {
+        self.system.longest_step(x, dx)
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.system.force_scale()
+    }
+
+    fn energy_rounding(&self) -> f64 {
+        self.system.energy_rounding()
+    }
+
+    fn make_room(&mut self, x: &[f64]) -> bool {
+        self.system.make_room(x)
+    }
+
+    fn stable_negative_pivots(&self) -> usize {
+        self.system.stable_negative_pivots()
+    }
+}
+
+impl LoadedSystem for Damped<'_> {
+    fn set_load(&mut self, load: f64) {
+        self.system.set_load(load);
+    }
+
+    fn conjugate(&self, x: &[f64]) -> f64 {
+        self.system.conjugate(x)
+    }
+
+    fn load_direction(&self, x: &[f64], direction: &mut [f64]) {
+        self.system.load_direction(x, direction);
+    }
+
+    fn settle(&mut self, x: &[f64]) -> f64 {
+        self.system.settle(x)
+    }
+
+    fn refresh(&mut self, x: &[f64]) -> f64 {
+        self.system.refresh(x)
+    }
+
+    fn passed_limit(&self, x: &[f64]) -> Option<Limit> {
+        self.system.passed_limit(x)
+    }
+}

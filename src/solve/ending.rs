@@ -1,0 +1,87 @@
+//! Why a path ended.
+
+use serde::{Deserialize, Serialize};
+
+use super::{NewtonEnding, NewtonReport};
+use crate::model::system::LimitKind;
+
+/// Why a path ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ending {
+    /// The end of the programme was reached.
+    Reached,
+    /// The end of the programme was reached, over one snap or more.
+    SnappedAndContinued,
+    /// Beyond this load no stable equilibrium is near: the energy loses its minimum.
+    LimitPoint,
+    /// The equilibrium beyond this load exists but is not stable.
+    Unstable,
+    /// The wall is stretched beyond the bound that was set.
+    Ballooning,
+    /// The part touches itself, which is not modelled.
+    SelfTouch,
+    /// Elements invert or folds close.
+    Inverted,
+    /// Newton's method does not converge, for no reason of the above.
+    Stalled,
+    /// The budget of iterations was spent.
+    BudgetSpent,
+}
+
+impl Ending {
+    /// The ending as tables write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reached => "reached",
+            Self::SnappedAndContinued => "snapped_and_continued",
+            Self::LimitPoint => "limit_point",
+            Self::Unstable => "unstable",
+            Self::Ballooning => "ballooning",
+            Self::SelfTouch => "self_touch",
+            Self::Inverted => "inverted",
+            Self::Stalled => "stalled",
+            Self::BudgetSpent => "budget_spent",
+        }
+    }
+
+    /// Whether the programme was walked to its end.
+    #[must_use]
+    pub fn is_complete(self) -> bool {
+        matches!(self, Self::Reached | Self::SnappedAndContinued)
+    }
+
+    /// Whether the part itself ended the path, rather than the method: what was reached before is the part's answer.
+    #[must_use]
+    pub fn is_physical(self) -> bool {
+        match self {
+            Self::Reached
+            | Self::SnappedAndContinued
+            | Self::LimitPoint
+            | Self::Ballooning
+            | Self::SelfTouch => true,
+            Self::Unstable | Self::Inverted | Self::Stalled | Self::BudgetSpent => false,
+        }
+    }
+
+    /// The ending that a failed solve would be, were no smaller step to be tried; `None` where it converged.
+    pub(super) fn of_failure(report: &NewtonReport) -> Option<Self> {
+        match report.ending {
+            NewtonEnding::Converged => None,
+            _ if report.shifted > 0 => Some(Self::LimitPoint),
+            NewtonEnding::Singular | NewtonEnding::Indefinite => Some(Self::LimitPoint),
+            NewtonEnding::Inadmissible => Some(Self::Inverted),
+            NewtonEnding::IterationLimit | NewtonEnding::LineSearchFailed => Some(Self::Stalled),
+        }
+    }
+}
+
+impl From<LimitKind> for Ending {
+    fn from(kind: LimitKind) -> Self {
+        match kind {
+            LimitKind::Ballooning => Self::Ballooning,
+            LimitKind::SelfTouch => Self::SelfTouch,
+        }
+    }
+}
