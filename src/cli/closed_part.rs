@@ -70,7 +70,7 @@ pub(super) fn support(source: &PartSource<'_>, mesh: &ShellMesh) -> Support {
 
 /// The planes of the `scene` before `mesh`.
 pub(super) fn planes(scene: &SceneFile, mesh: &ShellMesh) -> Vec<PlaneSettings> {
-    let pressure = scene.load_settings().pressure;
+    let pressure = scene.load_settings().pressure.abs();
     let before = |normal, distance| PlaneSettings::before(mesh, normal, distance, pressure);
     let planes = scene.planes.iter();
     planes.map(|plane| before(Vec3::from(plane.normal).normalize(), plane.distance)).collect()

@@ -106,7 +106,7 @@ pub(super) struct EllipsoidSection {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct LoadSection {
-    /// Largest pressure, MPa: in the chamber, or on a patch towards its normal `x,s cross x,t`.
+    /// Largest pressure, MPa, below 0 for a vacuum: in the chamber, or on a patch towards its normal `x,s cross x,t`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
     /// For a closed part, instead of raising the pressure: the enclosed volume is prescribed, up to this multiple of that at
@@ -260,12 +260,14 @@ impl SceneFile {
             watchable != Watchable::Actuator || !self.load.linear,
             "[load] linear wants a patch, a sphere or an ellipsoid"
         );
+        match self.load.pressure {
+            Some(pressure) if patch.is_some() => check_patch_pressure(pressure)?,
+            Some(pressure) => drop(positive("[load] pressure", pressure.abs())?),
+            None => {}
+        }
         if let Some(patch) = patch {
             patch.check()?;
             conditions.check(patch)?;
-            if let Some(pressure) = self.load.pressure {
-                check_patch_pressure(pressure)?;
-            }
         } else {
             let listed = [
                 ("edge", self.edges.is_empty()),

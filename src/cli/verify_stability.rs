@@ -131,7 +131,7 @@ fn run_variant(
     let first = rows.len();
     let mut model: Option<Ran> = None;
     for &solver in solvers {
-        let ran = guarded(case, variant, solver);
+        let ran = guarded(&|| ran(case, variant, solver));
         let mut row = judged(case, variant, solver, &ran);
         if let Some(model) = &model {
             compare_solvers(case, model, &ran, &mut row);
@@ -146,10 +146,10 @@ fn run_variant(
 }
 
 /// The run, a panic caught.
-fn guarded(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
+fn guarded(run: &(dyn Fn() -> Ran + Sync)) -> Ran {
     let start = Instant::now();
     let mut outcomes = Serial
-        .evaluate(&[solver], &|&solver| ran(case, variant, solver), &mut |_, _| Next::Continue)
+        .evaluate(&[()], &|()| run(), &mut |_, _| Next::Continue)
         .expect("its observer stops nothing");
     let ran = outcomes.pop().expect("one item has one outcome").unwrap_or_else(|panicked| Ran {
         ending: "panicked".to_owned(),
@@ -411,4 +411,151 @@ fn line(row: &Row) -> String {
         row.cpu_seconds,
         row.verdict,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::watch_curve::CurvePoint;
+    use crate::solve::{Ending, Path as Walked, PathPoint};
+
+    /// A path of three states with one watch, whose last value is `value`.
+    fn measured(value: f64) -> Measured {
+        let state = |k: usize| PathPoint { load: k as f64, ..PathPoint::at_rest(k as f64, 2) };
+        let shown = |k: usize| CurvePoint {
+            load: 0.5 * k as f64,
+            value: if k == 2 { value } else { k as f64 },
+            rate: 1.0,
+        };
+        let walked =
+            Walked { points: (0..3).map(state).collect(), ending: Ending::Reached, place: None };
+        Measured {
+            walked,
+            unknowns: 2,
+            cpu_seconds: 0.0,
+            curves: vec![WatchCurve { points: (0..3).map(shown).collect() }],
+            limit_load: None,
+        }
+    }
+
+    fn ran(value: f64) -> Ran {
+        Ran {
+            ending: "reached".to_owned(),
+            message: None,
+            reached: 1.0,
+            measured: Some(measured(value)),
+            wall_seconds: 0.0,
+        }
+    }
+
+    fn plate() -> (StabilityCase, Variant) {
+        let case = case("plate_in_um").unwrap();
+        let variant = case.variants()[0];
+        (case, variant)
+    }
+
+    #[test]
+    fn an_ending_that_is_not_allowed_fails() {
+        let (mut case, variant) = plate();
+        let row = judged(&case, variant, Backend::Native, &ran(2.0));
+        assert_eq!((row.verdict, row.remark.as_str(), row.load), (OK, "", 1.0));
+        case.verify.endings = vec!["limit_point".to_owned(), "ballooning".to_owned()];
+        let row = judged(&case, variant, Backend::Native, &ran(2.0));
+        assert_eq!((row.verdict, row.ending.as_str()), (FAILED, "reached"));
+        assert_eq!(row.remark, "reached, not limit_point or ballooning");
+        case.verify.endings = vec!["reached".to_owned()];
+        case.verify.snaps = Some([1, 2]);
+        let row = judged(&case, variant, Backend::Native, &ran(2.0));
+        assert_eq!((row.verdict, row.remark.as_str()), (FAILED, "0 snaps, not 1 to 2"));
+    }
+
+    #[test]
+    fn what_is_said_must_be_what_is_expected() {
+        let (mut case, variant) = plate();
+        case.verify.endings = vec![REFUSED.to_owned()];
+        case.verify.says = Some("too near".to_owned());
+        let refused = |message: &str| Ran {
+            ending: REFUSED.to_owned(),
+            message: Some(message.to_owned()),
+            reached: 0.0,
+            measured: None,
+            wall_seconds: 0.0,
+        };
+        let verdict = |ran: &Ran| judged(&case, variant, Backend::Native, ran).verdict;
+        assert_eq!(verdict(&refused("the plane is too near")), OK);
+        assert_eq!(verdict(&refused("unknown key")), FAILED);
+    }
+
+    #[test]
+    fn a_number_that_is_none_fails_wherever_it_stands() {
+        assert_eq!(not_finite(&measured(2.0)), None);
+        assert_eq!(not_finite(&measured(f64::NAN)).unwrap(), "watch 0 is not finite");
+        let mut broken = measured(2.0);
+        broken.walked.points[1].rate[1] = f64::INFINITY;
+        assert_eq!(not_finite(&broken).unwrap(), "state 1 holds a number that is not finite");
+        let (case, variant) = plate();
+        let ran = Ran { measured: Some(broken), ..ran(2.0) };
+        assert_eq!(judged(&case, variant, Backend::Native, &ran).verdict, FAILED);
+    }
+
+    #[test]
+    fn a_panic_is_a_failure_of_its_run() {
+        let ran = guarded(&|| panic!("index out of bounds"));
+        assert_eq!(ran.ending, "panicked");
+        let (case, variant) = plate();
+        let row = judged(&case, variant, Backend::Native, &ran);
+        assert_eq!((row.verdict, row.remark.as_str()), (FAILED, "index out of bounds"));
+    }
+
+    #[test]
+    fn solvers_are_compared_where_both_have_a_state() {
+        // 0.002 of 2 at the last of three states; 0.25 of the programme.
+        let (difference, what) = disagreement(&measured(2.0), &measured(2.002), [1.0, 1.0]);
+        assert!((difference - 1e-3).abs() < 1e-12 && what == "watch 1 at load 1.0000", "{what}");
+        let (difference, what) = disagreement(&measured(2.0), &measured(2.002), [1.0, 0.75]);
+        assert!((difference - 0.25).abs() < 1e-12 && what == "the load reached", "{what}");
+        assert!(disagreement(&measured(2.0), &measured(f64::NAN), [1.0; 2]).0.is_nan());
+
+        let (case, variant) = plate();
+        let compared = |other: &Ran| {
+            let mut row = judged(&case, variant, Backend::Petsc, other);
+            compare_solvers(&case, &ran(2.0), other, &mut row);
+            row.verdict
+        };
+        // The case allows 1e-6.
+        assert_eq!(
+            [2.0, 2.000_001, 2.00001, f64::NAN].map(|v| compared(&ran(v))),
+            [OK, OK, FAILED, FAILED]
+        );
+        assert_eq!(compared(&Ran { ending: "stalled".to_owned(), ..ran(2.0) }), FAILED);
+    }
+
+    #[test]
+    fn iterations_are_compared_with_the_model() {
+        let (case, variant) = plate();
+        let mut row = judged(&case, variant, Backend::Native, &ran(2.0));
+        let mut model = Row { case: "plate_in_mm", ..row.clone() };
+        compare_iterations(&case, &[model.clone()], &mut row);
+        assert_eq!(row.verdict, OK);
+        model.newton_iterations = 3;
+        compare_iterations(&case, &[model.clone()], &mut row);
+        assert_eq!(row.remark, "0 iterations, but plate_in_mm takes 3");
+        // The other solver's are its own.
+        let mut row = judged(&case, variant, Backend::Petsc, &ran(2.0));
+        compare_iterations(&case, &[model], &mut row);
+        assert_eq!(row.verdict, OK);
+    }
+
+    #[test]
+    fn columns_stand_below_their_heads() {
+        let (case, variant) = plate();
+        let mut row = judged(&case, variant, Backend::Native, &ran(2.0));
+        (row.newton_iterations, row.error) = (1234, Some(0.125));
+        let (head, line) = (heading(), line(&row));
+        for (name, cell) in [("load", "1.0000"), ("Newton", "1234"), ("err%", "0.125")] {
+            let end = |text: &str, part: &str| text.find(part).unwrap() + part.len();
+            assert_eq!(end(&head, name), end(&line, cell), "{name}");
+        }
+        assert_eq!(head.find("verdict"), line.find(OK));
+    }
 }
