@@ -108,6 +108,10 @@ impl StabilityCase {
             "[verify] snaps wants the smaller number first"
         );
         ensure!(
+            verify.ends_between.is_none_or(|[least, most]| least < most),
+            "[verify] ends_between wants the smaller number first"
+        );
+        ensure!(
             verify.reference.is_empty() || !verify.source.trim().is_empty(),
             "[verify] has a reference, but no `source`"
         );

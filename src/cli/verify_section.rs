@@ -32,6 +32,9 @@ pub(super) struct VerifySection {
     /// The least and the largest number of snaps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub snaps: Option<[usize; 2]>,
+    /// The least and the largest share of the load at which it may end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends_between: Option<[f64; 2]>,
     /// By how much the solvers may differ in the load reached and in a watch, as a share of its largest value.
     #[serde(default = "smooth_agreement")]
     pub agreement: f64,

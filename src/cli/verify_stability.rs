@@ -265,6 +265,10 @@ fn judged(case: &StabilityCase, variant: Variant, solver: Backend, ran: &Ran) ->
     if let Some([least, most]) = verify.snaps.filter(|[l, m]| !(*l..=*m).contains(&row.snaps)) {
         row.note(false, format!("{} snaps, not {least} to {most}", row.snaps));
     }
+    if let Some([least, most]) = verify.ends_between.filter(|[l, m]| !(*l..=*m).contains(&row.load))
+    {
+        row.note(false, format!("it ends at load {:.4}, not {least} to {most}", row.load));
+    }
     let compared = deviations(scene, verify, measured);
     let worst = compared
         .iter()
@@ -467,6 +471,10 @@ mod tests {
         case.verify.snaps = Some([1, 2]);
         let row = judged(&case, variant, Backend::Native, &ran(2.0));
         assert_eq!((row.verdict, row.remark.as_str()), (FAILED, "0 snaps, not 1 to 2"));
+        case.verify.snaps = None;
+        case.verify.ends_between = Some([0.3, 0.4]);
+        let row = judged(&case, variant, Backend::Native, &ran(2.0));
+        assert_eq!(row.remark, "it ends at load 1.0000, not 0.3 to 0.4");
     }
 
     #[test]
