@@ -18,9 +18,10 @@
 //! - PETSc against the native solver: designs whose ending differs, and the largest relative difference of `F_c` and `F_bf`.
 //!
 //! With `--steps-factor F` (2 halves and doubles) it studies instead how much the answer depends on the steps: the first 50
-//! genomes that are evaluated are walked again with `F` times as many load steps and with as many divided by `F`, and the
-//! relative changes of `F_c` and `F_bf` are printed: median, largest, and every design with one above 0.1 %. Both are the
-//! largest value at any load step, so a step that is left out or added near the maximum changes them too.
+//! genomes that are evaluated are walked again with a largest step `F` times smaller between the same samples, with `F` times
+//! as many samples, and with as many divided by `F`. The relative changes of `F_c` and `F_bf` are printed: median, largest,
+//! and every design with one above 0.1 %. Both are the largest value over the path, so a sample that is left out or added near
+//! a maximum changes them too; the smaller step alone must not.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a program that prints tables")]
 
@@ -33,7 +34,7 @@ use pneumorph::genome::{Bounds, Genome};
 use pneumorph::math::Room;
 use pneumorph::math::random::{Purpose, Stream};
 use pneumorph::model::material::{Material, Ogden};
-use pneumorph::solve::{Backend, Path};
+use pneumorph::solve::{Backend, Path, PathSettings};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -217,7 +218,7 @@ fn campaign(genomes: &[Genome]) -> Result<(), Failure> {
 
 fn walks(designs: &[Design]) -> Vec<(usize, &Walk)> {
     let walk = |(i, design)| match design {
-        &Design::Walked(ref walk) => Some((i, walk)),
+        Design::Walked(walk) => Some((i, walk)),
         _ => None,
     };
     designs.iter().enumerate().filter_map(walk).collect()
@@ -353,13 +354,17 @@ fn study_of_steps(genomes: &[Genome], factor: f64) -> Result<(), Failure> {
     }
     studied.truncate(STUDIED);
     let again: Vec<Genome> = studied.iter().map(|(_, genome, _)| genome.clone()).collect();
-    let usual_steps = usual.load.path.steps;
-    for scale in [factor, 1.0 / factor] {
+    let path = usual.load.path;
+    let times = |scale: f64| ((path.steps as f64 * scale).round() as usize).max(1);
+    for (name, path) in [
+        ("smaller steps", PathSettings { largest_step: path.largest_step / factor, ..path }),
+        ("more samples", PathSettings { steps: times(factor), ..path }),
+        ("fewer samples", PathSettings { steps: times(1.0 / factor), ..path }),
+    ] {
         let mut other = usual.clone();
-        other.load.path.steps = ((usual_steps as f64 * scale).round() as usize).max(1);
-        let name = format!("{} steps", other.load.path.steps);
-        let found = designs(&threads, &again, &other, &name)?;
-        println!("{name} instead of {usual_steps}, {} designs:", studied.len());
+        other.load.path = path;
+        let found = designs(&threads, &again, &other, name)?;
+        println!("{name} by a factor of {factor}, {} designs:", studied.len());
         let mut all: [Vec<f64>; 2] = Default::default();
         for ((i, _, walk), design) in studied.iter().zip(&found) {
             let Some(changes) = (match design {
