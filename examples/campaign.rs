@@ -216,12 +216,16 @@ fn campaign(genomes: &[Genome]) -> Result<(), Failure> {
     Ok(())
 }
 
+fn walk_of(design: &Design) -> Option<&Walk> {
+    match design {
+        Design::Walked(walk) => Some(walk),
+        Design::Invalid(_) | Design::Broken(_) => None,
+    }
+}
+
 fn walks(designs: &[Design]) -> Vec<(usize, &Walk)> {
-    let walk = |(i, design)| match design {
-        Design::Walked(walk) => Some((i, walk)),
-        _ => None,
-    };
-    designs.iter().enumerate().filter_map(walk).collect()
+    let walked = |(i, design)| Some((i, walk_of(design)?));
+    designs.iter().enumerate().filter_map(walked).collect()
 }
 
 fn print_validity(designs: &[Design], valid: usize) {
