@@ -4,7 +4,6 @@ use anyhow::{Context, anyhow, bail, ensure};
 
 use super::scene_file::{PartSource, SceneFile};
 use crate::field::{CappedField, CompiledNetwork, ScalarField};
-use crate::io::stl;
 use crate::math::{Rejected, Vec3};
 use crate::mesh::{ShellMesh, ShellSettings, shell_of_field};
 use crate::model::Support;
@@ -25,8 +24,7 @@ pub(super) fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Resul
             shell_of_field(&field, &scene.mesh, &scene.wall)
                 .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))
         }
-        PartSource::Stl(file) => {
-            let surface = stl::read(file, stl::WELD_TOLERANCE)?;
+        PartSource::Stl { file, surface } => {
             let name = file.display();
             surface.check_closed_manifold().with_context(|| name.to_string())?;
             let parts = surface.components().iter().max().map_or(0, |&last| last + 1);
@@ -34,12 +32,13 @@ pub(super) fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Resul
                 parts == 1,
                 "{name}: {parts} separate surfaces, but one closed chamber is wanted"
             );
-            let crossings = intersecting_pairs(&surface).len();
+            let crossings = intersecting_pairs(surface).len();
             ensure!(
                 crossings == 0,
                 "{name}: {crossings} pairs of triangles pass through each other"
             );
-            ShellMesh::new(surface, &scene.wall).map_err(|rejected| anyhow!("{name}: {rejected}"))
+            ShellMesh::new(surface.clone(), &scene.wall)
+                .map_err(|rejected| anyhow!("{name}: {rejected}"))
         }
         PartSource::Sphere(sphere) => {
             let surface = TriangleMesh::sphere(sphere.radius, sphere.subdivisions);

@@ -16,11 +16,15 @@ mod scene_file;
 mod shape;
 mod simulate;
 mod simulate_shape;
+mod stability_case;
 mod verify;
 mod verify_cases;
+mod verify_compare;
 #[cfg(test)]
 mod verify_curves;
+mod verify_files;
 mod verify_section;
+mod verify_stability;
 mod watch;
 mod watch_curve;
 
@@ -28,9 +32,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use self::verify::Selection;
+use self::verify_cases::{CURVES, SHELLS};
+use self::verify_files::SceneFolder;
 use crate::mesh::ShellElement;
 use crate::solve::Backend;
 
@@ -116,26 +122,63 @@ enum Command {
 #[derive(Debug, Subcommand)]
 enum Verified {
     /// Textbook shells on finer and finer meshes: error, order of convergence, CPU time.
-    Shells {
+    Shells(Benchmarks),
+    /// Limit points, snap-back, buckling and follower loads against whole curves: error, order of convergence, CPU time.
+    Curves(Benchmarks),
+    /// Hard scenes on every solver: ending, snaps, iterations, CPU time.
+    Stability {
         /// Only this case; again for each (see --list).
         #[arg(long)]
         case: Vec<String>,
-        /// Only this element.
-        #[arg(long)]
-        element: Option<ElementName>,
-        /// Folder for errors.csv, a figure of each case and a summary of all; must not exist.
+        /// Folder for stability.csv; must not exist.
         #[arg(long)]
         out: Option<PathBuf>,
         /// Print the names of the cases and stop.
         #[arg(long)]
         list: bool,
-        /// Only the meshes on which an error is accepted.
+        /// Only the cases that take a few seconds.
         #[arg(long)]
         quick: bool,
-        /// The solver.
-        #[arg(long, default_value = "native")]
-        solver: SolverName,
+        /// Only this solver.
+        #[arg(long)]
+        solver: Option<SolverName>,
     },
+}
+
+/// Which benchmarks to run, and how.
+#[derive(Debug, Args)]
+struct Benchmarks {
+    /// Only this case; again for each (see --list).
+    #[arg(long)]
+    case: Vec<String>,
+    /// Only this element.
+    #[arg(long)]
+    element: Option<ElementName>,
+    /// Folder for errors.csv, a figure of each case and a summary of all; must not exist.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Print the names of the cases and stop.
+    #[arg(long)]
+    list: bool,
+    /// Only the meshes on which an error is accepted.
+    #[arg(long)]
+    quick: bool,
+    /// The solver.
+    #[arg(long, default_value = "native")]
+    solver: SolverName,
+}
+
+impl Benchmarks {
+    fn run(self, folder: &'static SceneFolder) -> anyhow::Result<()> {
+        let Self { case, element, out, list, quick, solver } = self;
+        if list {
+            return verify::list(folder);
+        }
+        let element = element.map(ShellElement::from);
+        let selection = Selection { folder, cases: case, element, quick, solver: solver.into() };
+        // Its CPU times are those of one thread.
+        on_threads(1, || verify::run(&selection, out.as_deref()))
+    }
 }
 
 /// The names of the shell elements on the command line.
@@ -234,12 +277,15 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
             simulate::run(&given(scene), &given(out), solver.map(Backend::from), json)
         }),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
-        Command::Verify { what: Verified::Shells { list: true, .. } } => verify::list(),
-        Command::Verify { what: Verified::Shells { case, element, out, quick, solver, .. } } => {
-            let element = element.map(ShellElement::from);
-            let selection = Selection { cases: case, element, quick, solver: solver.into() };
-            // Its CPU times are those of one thread.
-            on_threads(1, || verify::run(&selection, out.as_deref()))
+        Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
+        Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),
+        Command::Verify { what: Verified::Stability { list: true, .. } } => {
+            verify_stability::list()
+        }
+        Command::Verify { what: Verified::Stability { case, out, quick, solver, .. } } => {
+            let solver = solver.map(Backend::from);
+            let selection = verify_stability::Selection { cases: case, solver, quick };
+            on_threads(1, || verify_stability::run(&selection, out.as_deref()))
         }
         Command::Report { run } => report::run(&run),
     }

@@ -68,6 +68,7 @@ impl RunFile {
 
     fn check(&self) -> anyhow::Result<()> {
         check_solver(self.solver.backend)?;
+        positive("[load] pressure", self.load.pressure)?;
         check_shell(&self.wall, &self.load)?;
         check_mesh(self.design_box, &self.mesh)?;
         ensure!(
@@ -133,7 +134,6 @@ pub(super) fn check_shell(wall: &ShellSettings, load: &LoadSettings) -> anyhow::
     positive("[wall] thickness", wall.thickness)?;
     positive("[wall] clamp_height", wall.clamp_height)?;
     within("[wall] tip_fraction", wall.tip_fraction, 1e-3, 0.9)?;
-    positive("[load] pressure", load.pressure)?;
     let steps = load.path.steps;
     ensure!(
         (1..=MOST_STEPS).contains(&steps),

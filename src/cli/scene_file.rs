@@ -23,6 +23,7 @@ use crate::math::Vec3;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::model::contact::{PlaneSettings, SelfContactSettings};
 use crate::solve::{Backend, PathSettings, Programme, Supply};
+use crate::surface::TriangleMesh;
 
 /// A scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,7 +111,7 @@ pub(super) struct EllipsoidSection {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct LoadSection {
-    /// Largest pressure, MPa: in the chamber, or on a patch towards its normal `x,s cross x,t`.
+    /// Largest pressure, MPa, below 0 for a vacuum: in the chamber, or on a patch towards its normal `x,s cross x,t`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
     /// For a closed part, instead of raising the pressure: the enclosed volume is prescribed, up to this multiple of that at
@@ -206,13 +207,24 @@ fn default_solver() -> SolverSection {
     SolverSection { backend }
 }
 
+/// Where the files that a part names are read.
+pub(super) trait PartFiles {
+    /// The network in the file at `path`.
+    fn network(&self, path: &Path) -> anyhow::Result<Network>;
+    /// The triangles of the STL file at `path`, mm.
+    fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh>;
+}
+
 /// What a scene's part is made from.
 pub(super) enum PartSource<'a> {
     Network {
         file: PathBuf,
         network: Network,
     },
-    Stl(PathBuf),
+    Stl {
+        file: PathBuf,
+        surface: TriangleMesh,
+    },
     Patch(&'a PatchSection),
     Sphere(SphereSection),
     /// Its semi-axes, mm.
@@ -222,7 +234,7 @@ pub(super) enum PartSource<'a> {
 impl PartSource<'_> {
     /// Whether the part is clamped at its base and has a tip.
     pub(super) fn is_actuator(&self) -> bool {
-        matches!(self, Self::Network { .. } | Self::Stl(_))
+        matches!(self, Self::Network { .. } | Self::Stl { .. })
     }
 }
 
@@ -301,12 +313,14 @@ impl SceneFile {
             watchable != Watchable::Actuator || !self.load.linear,
             "[load] linear wants a patch, a sphere or an ellipsoid"
         );
+        match self.load.pressure {
+            Some(pressure) if patch.is_some() => check_patch_pressure(pressure)?,
+            Some(pressure) => drop(positive("[load] pressure", pressure.abs())?),
+            None => {}
+        }
         if let Some(patch) = patch {
             patch.check()?;
             conditions.check(patch)?;
-            if let Some(pressure) = self.load.pressure {
-                check_patch_pressure(pressure)?;
-            }
         } else {
             let listed = [
                 ("edge", self.edges.is_empty()),
@@ -418,8 +432,9 @@ impl SceneFile {
         }
     }
 
-    /// The planes, their barriers fit for `pressure`, MPa.
+    /// The planes, their barriers fit for a `pressure` of this size, MPa.
     pub(super) fn plane_settings(&self, pressure: f64) -> Vec<PlaneSettings> {
+        let pressure = pressure.abs();
         let settings = |plane: &Plane| PlaneSettings {
             friction: plane.friction,
             elastic_slip: plane.elastic_slip,
@@ -428,11 +443,11 @@ impl SceneFile {
         self.planes.iter().map(settings).collect()
     }
 
-    /// What the part is made from; files are found beside the scene file at `path`, networks by `read`.
+    /// What the part is made from; `files` are named relative to the scene file at `path`.
     pub(super) fn source(
         &self,
         path: &Path,
-        read: impl Fn(&Path) -> anyhow::Result<Network>,
+        files: &dyn PartFiles,
     ) -> anyhow::Result<PartSource<'_>> {
         let beside = |file: &PathBuf| path.parent().unwrap_or(Path::new("")).join(file);
         let Part { network, stl, patch, sphere, ellipsoid } = &self.part;
@@ -440,9 +455,12 @@ impl SceneFile {
         match (network, stl, patch, sphere, ellipsoid) {
             (Some(file), None, None, None, None) => {
                 let file = beside(file);
-                Ok(PartSource::Network { network: read(&file)?, file })
+                Ok(PartSource::Network { network: files.network(&file)?, file })
             }
-            (None, Some(file), None, None, None) => Ok(PartSource::Stl(beside(file))),
+            (None, Some(file), None, None, None) => {
+                let file = beside(file);
+                Ok(PartSource::Stl { surface: files.surface(&file)?, file })
+            }
             (None, None, Some(patch), None, None) => Ok(PartSource::Patch(patch)),
             (None, None, None, Some(sphere), None) => Ok(PartSource::Sphere(*sphere)),
             (None, None, None, None, Some(ellipsoid)) => {

@@ -11,18 +11,18 @@ use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_path, write_surface, write_watches};
 use super::material::instability;
 use super::provenance::Provenance;
-use super::scene_file::SceneFile;
+use super::scene_file::{PartFiles, SceneFile};
 use super::shape::watches_of_closed;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, toml_file};
+use crate::io::{OutputFolder, atomic, stl, toml_file};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellMesh;
 use crate::model::system::System;
 use crate::model::{ShellModel, Support};
 use crate::solve::{Backend, Ending, Path as Walked, SolveTimes, follow};
-use crate::surface::SurfaceQuality;
+use crate::surface::{SurfaceQuality, TriangleMesh};
 
 /// `summary.json`: the last state of the path, and what it took.
 #[derive(Debug, Serialize)]
@@ -65,7 +65,7 @@ pub(super) fn run(
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
-    let source = scene.source(path, read_network)?;
+    let source = scene.source(path, &OnDisk)?;
     if !source.is_actuator() {
         return simulate_shape::run(path, &scene, &source, out, json);
     }
@@ -145,6 +145,19 @@ fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, So
         walked.ending.name().replace('_', " ")
     );
     Ok((walked, solver.times()))
+}
+
+/// Files where they are.
+struct OnDisk;
+
+impl PartFiles for OnDisk {
+    fn network(&self, path: &Path) -> anyhow::Result<Network> {
+        read_network(path)
+    }
+
+    fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh> {
+        Ok(stl::read(path, stl::WELD_TOLERANCE)?)
+    }
 }
 
 /// Reads a network file.

@@ -16,9 +16,11 @@ use serde::Serialize;
 use super::run_file::check_solver;
 use super::say;
 use super::shape::{Measured, Shape};
-use super::verify_cases::{Case, case, names, network};
-use super::verify_section::{Accepted, MeshSize, VerifySection};
-use super::watch_curve::Deviation;
+use super::verify_cases::{Case, case};
+use super::verify_compare::{Compared, deviations, missed};
+use super::verify_files::BuiltIn;
+use super::verify_files::SceneFolder;
+use super::verify_section::{Accepted, MeshSize};
 use crate::io::{OutputFolder, atomic, csv};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
@@ -29,6 +31,7 @@ use crate::solve::Backend;
 
 /// What to run.
 pub(super) struct Selection {
+    pub folder: &'static SceneFolder,
     /// All where empty.
     pub cases: Vec<String>,
     /// Both where none.
@@ -71,12 +74,9 @@ struct Row {
 pub(super) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
     check_solver(selection.solver)?;
     out.map(OutputFolder::check_new).transpose()?;
-    let chosen: Vec<&str> = if selection.cases.is_empty() {
-        names().collect()
-    } else {
-        selection.cases.iter().map(String::as_str).collect()
-    };
-    let cases = chosen.into_iter().map(case).collect::<anyhow::Result<Vec<_>>>()?;
+    let chosen = selection.folder.chosen(&selection.cases);
+    let read = |name| case(selection.folder, name);
+    let cases = chosen.into_iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let folder = out.map(OutputFolder::create_new).transpose()?;
     say(&heading());
     let mut rows = Vec::new();
@@ -127,9 +127,9 @@ fn run_name(case: &str, element: &str) -> String {
 }
 
 /// Prints the name of every case, and what it is.
-pub(super) fn list() -> anyhow::Result<()> {
-    for name in names() {
-        say(&format!("{name:<31} {}", case(name)?.title));
+pub(super) fn list(folder: &SceneFolder) -> anyhow::Result<()> {
+    for name in folder.names() {
+        say(&format!("{name:<31} {}", case(folder, name)?.title));
     }
     Ok(())
 }
@@ -174,7 +174,7 @@ fn run_case(
             let measured = measure(case, accept.element, mesh, selection.solver);
             let (measured, mut deviations) = match measured {
                 Ok(measured) => {
-                    let deviations = deviations(case, &measured);
+                    let deviations = deviations(&case.scene, &case.verify, &measured);
                     (Some(measured), deviations)
                 }
                 Err(error) => (None, vec![missed("", 0.0, f64::NAN, format!("{error:#}"))]),
@@ -221,26 +221,6 @@ fn run_case(
     Ok(curves)
 }
 
-/// One watch of a run against its reference.
-struct Compared {
-    watch: String,
-    deviation: Deviation,
-    /// Why there is no number.
-    remark: Option<String>,
-}
-
-fn missed(watch: &str, load: f64, reference: f64, remark: String) -> Compared {
-    let nothing = f64::NAN;
-    let deviation = Deviation {
-        error: f64::INFINITY,
-        load,
-        measured: nothing,
-        reference,
-        pointwise_error: f64::INFINITY,
-    };
-    Compared { watch: watch.to_owned(), deviation, remark: Some(remark) }
-}
-
 fn measure(
     case: &Case,
     element: ShellElement,
@@ -250,52 +230,13 @@ fn measure(
     let mut scene = case.scene.with_mesh(mesh)?;
     scene.wall.element = element;
     let start = cpu_seconds();
-    let source = scene.source(Path::new("verify/shells/case.toml"), network)?;
+    let source = scene.source(Path::new("verify/shells/case.toml"), &BuiltIn)?;
     let mut shape = Shape::new(&scene, &source)?;
     let measured = shape.measure(&scene, solver, start)?;
     if measured.walked.points.is_empty() {
         bail!("not stable at rest: {}", measured.walked.ending.name().replace('_', " "));
     }
     Ok(measured)
-}
-
-/// Every reference of the case against what was measured.
-fn deviations(case: &Case, measured: &Measured) -> Vec<Compared> {
-    let VerifySection { reference, limit_load, .. } = &case.verify;
-    let mut compared: Vec<Compared> = reference
-        .iter()
-        .map(|reference| {
-            let mut watches = case.scene.watches.iter();
-            let watch = watches.position(|watch| watch.name == reference.watch);
-            let watch = watch.expect("the case was checked: every reference has its watch");
-            match measured.curves[watch].deviation(reference) {
-                Ok(deviation) => {
-                    Compared { watch: reference.watch.clone(), deviation, remark: None }
-                }
-                Err(load) => {
-                    let ending = measured.walked.ending.name().replace('_', " ");
-                    let remark = format!("{ending} before load {load}");
-                    missed(&reference.watch, load, f64::NAN, remark)
-                }
-            }
-        })
-        .collect();
-    if let &Some(limit) = limit_load {
-        compared.push(limit_deviation(limit, measured));
-    }
-    compared
-}
-
-fn limit_deviation(limit: f64, measured: &Measured) -> Compared {
-    let watch = "limit";
-    let Some(load) = measured.limit_load else {
-        let ending = measured.walked.ending.name().replace('_', " ");
-        return missed(watch, limit, limit, format!("no instability was met: {ending}"));
-    };
-    let error = 100.0 * (load - limit).abs() / limit;
-    let deviation =
-        Deviation { error, load: limit, measured: load, reference: limit, pointwise_error: error };
-    Compared { watch: watch.to_owned(), deviation, remark: None }
 }
 
 fn verdict(accept: &Accepted, error: f64) -> &'static str {

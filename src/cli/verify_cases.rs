@@ -1,12 +1,12 @@
-//! The shell benchmarks: the scene files under `verify/shells` and the networks they name, built into the program.
+//! The benchmarks: the scene files under `verify/shells` and `verify/curves`, built into the program.
 
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 
 use super::scene_file::SceneFile;
+use super::verify_files::{SceneFolder, title};
 use super::verify_section::VerifySection;
-use crate::genome::{Network, NetworkDraft};
 use crate::io::toml_file;
 
 /// A benchmark.
@@ -20,55 +20,45 @@ pub(super) struct Case {
     pub verify: VerifySection,
 }
 
-/// The names of all cases, in the order in which they are run.
-pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    FILES.iter().map(|(name, _)| *name)
-}
+/// Textbook shells.
+pub(super) const SHELLS: SceneFolder = SceneFolder { path: "verify/shells", files: &SHELL_FILES };
 
-/// The case of a name of [`names`], read and checked.
-pub(super) fn case(name: &str) -> anyhow::Result<Case> {
-    let likeness = |known: &str| strsim::sorensen_dice(known, name);
-    let nearest = || {
-        let nearest = names().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        nearest.expect("there are cases")
-    };
-    let (name, text) = FILES.into_iter().find(|(known, _)| *known == name).with_context(|| {
-        format!("there is no case `{name}`; the nearest is `{}`; --list shows all", nearest())
-    })?;
-    let file = format!("verify/shells/{name}.toml");
+/// Paths that lose their stability, turn back, or have no potential.
+pub(super) const CURVES: SceneFolder = SceneFolder { path: "verify/curves", files: &CURVE_FILES };
+
+/// The case of a name in `folder`, read and checked.
+pub(super) fn case(folder: &SceneFolder, name: &str) -> anyhow::Result<Case> {
+    let (name, file, text) = folder.file(name)?;
     let scene: SceneFile = toml_file::parse(text, Path::new(&file))?;
     scene.check().with_context(|| file.clone())?;
     let verify = scene.verify.clone().with_context(|| format!("{file} has no [verify]"))?;
+    ensure!(!verify.meshes.is_empty(), "{file}: [verify] meshes is empty");
+    ensure!(!verify.accept.is_empty(), "{file}: [verify] accepts nothing");
     verify.check(&scene).with_context(|| file.clone())?;
-    let title = text.lines().next().unwrap_or_default().trim_start_matches("# ");
-    let title = title.split([';', ':']).next().and_then(|title| title.split(". ").next());
-    let title = title.unwrap_or_default().trim_end_matches('.').to_owned();
-    Ok(Case { name, title, scene, verify })
+    Ok(Case { name, title: title(text), scene, verify })
 }
-
-/// The network at `path`, as a case names it.
-pub(super) fn network(path: &Path) -> anyhow::Result<Network> {
-    let (_, text) = NETWORKS
-        .into_iter()
-        .find(|(name, _)| path.ends_with(name))
-        .with_context(|| format!("{} is not built in", path.display()))?;
-    let draft: NetworkDraft = toml_file::parse(text, path)?;
-    Network::try_from(draft).with_context(|| path.display().to_string())
-}
-
-const NETWORKS: [(&str, &str); 3] = [
-    ("examples/networks/basic_bend.toml", include_str!("../../examples/networks/basic_bend.toml")),
-    ("examples/networks/pneunet.toml", include_str!("../../examples/networks/pneunet.toml")),
-    ("examples/networks/paper.toml", include_str!("../../examples/networks/paper.toml")),
-];
 
 macro_rules! files {
-    ($($name:literal),* $(,)?) => {
-        [$(($name, include_str!(concat!("../../verify/shells/", $name, ".toml")))),*]
+    ($folder:literal: $($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../verify/", $folder, "/", $name, ".toml")))),*]
     };
 }
 
-const FILES: [(&str, &str); 29] = files![
+const CURVE_FILES: [(&str, &str); 11] = files!["curves":
+    "balloon_neo_hookean",
+    "balloon_mooney_rivlin",
+    "hinged_roof_thick",
+    "hinged_roof_thin",
+    "von_mises_truss",
+    "pinned_arch",
+    "column_perfect",
+    "column_elastica",
+    "ring_external_pressure",
+    "follower_tip_force",
+    "follower_pressure",
+];
+
+const SHELL_FILES: [(&str, &str); 29] = files!["shells":
     "scordelis_lo",
     "pinched_cylinder",
     "pinched_cylinder_free",
@@ -112,7 +102,8 @@ mod tests {
     use crate::mesh::Side;
 
     fn cases() -> Vec<Case> {
-        names().map(|name| case(name).unwrap_or_else(|error| panic!("{error:#}"))).collect()
+        let read = |name| case(&SHELLS, name).unwrap_or_else(|error| panic!("{error:#}"));
+        SHELLS.names().map(read).collect()
     }
 
     #[test]
@@ -123,7 +114,7 @@ mod tests {
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
         files.sort();
-        let mut listed: Vec<String> = names().map(|name| format!("{name}.toml")).collect();
+        let mut listed: Vec<String> = SHELLS.names().map(|name| format!("{name}.toml")).collect();
         listed.sort();
         assert_eq!(files, listed);
         for case in cases() {
@@ -148,7 +139,7 @@ mod tests {
             let known = if case.name == "pinched_cylinder_large" { 2 } else { 0 };
             assert_eq!(misses, known, "{}", case.name);
         }
-        let Case { scene, mut verify, .. } = case("pinched_cylinder_large").unwrap();
+        let Case { scene, mut verify, .. } = case(&SHELLS, "pinched_cylinder_large").unwrap();
         verify.accept[0].miss = Some(KnownMiss { up_to: 20.0, why: " ".to_owned() });
         let error = verify.check(&scene).unwrap_err().to_string();
         assert_eq!(error, "[[verify.accept]] miss has no `why`");
@@ -156,7 +147,7 @@ mod tests {
 
     #[test]
     fn an_unknown_case_names_the_nearest() {
-        let error = case("scordelis").unwrap_err().to_string();
+        let error = case(&SHELLS, "scordelis").unwrap_err().to_string();
         assert_eq!(
             error,
             "there is no case `scordelis`; the nearest is `scordelis_lo`; --list shows all"
@@ -258,20 +249,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    /// What a case names is what stands in its place in the repository.
-    #[test]
-    fn networks_of_cases_are_built_in() {
-        let mut found = 0;
-        for case in cases() {
-            let Some(file) = &case.scene.part.network else { continue };
-            found += 1;
-            let path = Path::new("verify/shells").join(file);
-            let text =
-                fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(&path)).unwrap();
-            assert_eq!(network(&path).unwrap(), text.parse().unwrap(), "{}", case.name);
-        }
-        assert_eq!(found, NETWORKS.len());
     }
 }

@@ -2,46 +2,28 @@
 //! curves of closed form or from tables.
 
 use std::f64::consts::FRAC_1_SQRT_2;
-use std::fs;
 use std::path::Path;
 
 use super::patch_part::PatchSection;
 use super::scene_file::SceneFile;
 use super::shape::Shape;
-use super::verify_section::{MeshSize, Reference, VerifySection};
-use crate::io::toml_file;
+use super::verify_cases::{CURVES, Case, SHELLS, case};
+use super::verify_files::BuiltIn;
+use super::verify_section::{MeshSize, Reference};
 use crate::mesh::ShellElement;
 use crate::model::system::System;
 use crate::solve::Backend;
 
-struct Case {
-    name: String,
-    scene: SceneFile,
-    verify: VerifySection,
-}
-
-fn case(folder: &str, name: &str) -> Case {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let scene: SceneFile =
-        toml_file::read(&root.join(folder).join(format!("{name}.toml"))).unwrap();
-    scene.check().unwrap_or_else(|error| panic!("{name}: {error:#}"));
-    let verify = scene.verify.clone().unwrap();
-    verify.check(&scene).unwrap_or_else(|error| panic!("{name}: {error:#}"));
-    Case { name: name.to_owned(), scene, verify }
+fn curve(name: &str) -> Case {
+    case(&CURVES, name).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
 fn cases() -> Vec<Case> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("verify/curves");
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .unwrap()
-        .map(|file| file.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned())
-        .collect();
-    names.sort();
-    names.iter().map(|name| case("verify/curves", name)).collect()
+    CURVES.names().map(curve).collect()
 }
 
 fn shape(scene: &SceneFile) -> Shape {
-    let source = scene.source(Path::new(""), |_| unreachable!("no case has a network")).unwrap();
+    let source = scene.source(Path::new(""), &BuiltIn).unwrap();
     Shape::new(scene, &source).unwrap()
 }
 
@@ -54,7 +36,7 @@ fn points(reference: &Reference) -> impl Iterator<Item = (f64, f64)> {
 fn every_case_is_complete_and_makes_a_shell() {
     let cases = cases();
     assert!(cases.len() >= 11);
-    for Case { name, mut scene, verify } in cases {
+    for Case { name, mut scene, verify, .. } in cases {
         for watch in &scene.watches {
             let compared = verify.reference.iter().filter(|r| r.watch == watch.name).count();
             assert_eq!(compared, 1, "{name}: {}", watch.name);
@@ -76,7 +58,7 @@ fn every_case_is_complete_and_makes_a_shell() {
 #[test]
 fn buckling_loads_are_those_of_the_closed_forms() {
     for name in ["column_perfect", "ring_external_pressure"] {
-        let Case { scene, verify, .. } = case("verify/curves", name);
+        let Case { scene, verify, .. } = curve(name);
         for accept in &verify.accept {
             let mut scene = scene.with_mesh(accept.mesh).unwrap();
             scene.wall.element = accept.element;
@@ -92,7 +74,7 @@ fn buckling_loads_are_those_of_the_closed_forms() {
 #[test]
 fn roofs_begin_as_their_tables() {
     for (name, scale) in [("hinged_roof_thick", 1.0), ("hinged_roof_thin", 4.0)] {
-        let [curve, table] = ["verify/curves", "verify/shells"].map(|folder| case(folder, name));
+        let [curve, table] = [&CURVES, &SHELLS].map(|folder| case(folder, name).unwrap());
         let points_of = |case: &Case| points(&case.verify.reference[0]).collect::<Vec<_>>();
         let (curve, table) = (points_of(&curve), points_of(&table));
         for (curve, table) in curve.iter().zip(&table) {
@@ -109,7 +91,7 @@ fn balloons_are_membranes_of_their_rubbers() {
         ("balloon_neo_hookean", 0.5, 0.0, 7.0_f64.powf(1.0 / 6.0)),
         ("balloon_mooney_rivlin", 0.5 / 1.1, 0.05 / 1.1, 1.4760698),
     ] {
-        let Case { scene, verify, .. } = case("verify/curves", name);
+        let Case { scene, verify, .. } = curve(name);
         assert_eq!(scene.wall.thickness / scene.part.sphere.unwrap().radius, 0.01);
         let share = |l: f64| {
             let pressure = 0.04 * (1.0 / l - l.powi(-7)) * (c1 + c2 * l * l);
@@ -129,7 +111,7 @@ fn balloons_are_membranes_of_their_rubbers() {
 /// The truss by the derivative of its energy, and no slimmer than the bar that snaps before it buckles.
 #[test]
 fn truss_is_a_bar_that_stays_straight() {
-    let Case { scene, verify, .. } = case("verify/curves", "von_mises_truss");
+    let Case { scene, verify, .. } = curve("von_mises_truss");
     let patch: &PatchSection = scene.part.patch.as_ref().unwrap();
     let surface = patch.surface().unwrap();
     let (base, top) = (surface(0.0, 0.0), surface(1.0, 0.0));

@@ -9,19 +9,51 @@ use super::material::positive;
 use super::scene_file::SceneFile;
 use crate::mesh::ShellElement;
 
-/// The references of a scene.
+/// What is expected of a scene: references on a ladder of meshes (`verify shells`), or how its path may end (`verify stability`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct VerifySection {
     /// Where the numbers come from.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub source: String,
     /// The share of the load at which the path has its first limit point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit_load: Option<f64>,
+    /// How the path may end: names of `solve::Ending`, `rejected` where the part makes no shell, `refused` where the scene
+    /// is no sensible one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub endings: Vec<String>,
+    /// Why it must end like this.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub why: String,
+    /// Words that stand in the message, where it is `rejected` or `refused`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub says: Option<String>,
+    /// The least and the largest number of snaps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub snaps: Option<[usize; 2]>,
+    /// The least and the largest share of the load at which it may end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ends_between: Option<[f64; 2]>,
+    /// By how much the solvers may differ in the load reached and in a watch, as a share of its largest value.
+    #[serde(default = "smooth_agreement")]
+    pub agreement: f64,
+    /// By how much a watch may miss its reference, % of the largest reference value; for parts on their own mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
+    /// Another case that takes the same Newton iterations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub iterates_as: Option<String>,
+    /// Wall clock of both solvers on one core of 2025, s: a note for who waits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
     /// The ladder of meshes, the coarsest first, instead of the part's own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub meshes: Vec<MeshSize>,
     /// For each element that is run: the mesh on which its error must be small enough.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub accept: Vec<Accepted>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reference: Vec<Reference>,
 }
 
@@ -73,6 +105,11 @@ pub(super) struct Reference {
     pub value: Vec<f64>,
 }
 
+/// Both solvers walk through the same iterates; what differs is rounding, times the condition of a thin wall.
+fn smooth_agreement() -> f64 {
+    1e-6
+}
+
 fn whole_load() -> Vec<f64> {
     vec![1.0]
 }
@@ -97,7 +134,6 @@ impl Accepted {
 impl VerifySection {
     /// Checks it against the scene it belongs to, on every mesh.
     pub(super) fn check(&self, scene: &SceneFile) -> anyhow::Result<()> {
-        ensure!(!self.meshes.is_empty(), "[verify] meshes is empty");
         for &mesh in &self.meshes {
             let refined = scene.with_mesh(mesh)?;
             refined.check().with_context(|| format!("[verify] mesh {mesh}"))?;

@@ -143,11 +143,12 @@ impl Watch {
         let at_rest = points.first().map_or(0.0, |point| point.conjugate);
         let point = |point: &PathPoint| {
             let [value, rate] = self.value_and_rate(model, at_rest, point);
-            CurvePoint { load: point.load / largest, value, rate: rate * largest }
+            CurvePoint { load: point.load / largest, value, rate: rate * largest / point.load_rate }
         };
         WatchCurve { points: points.iter().map(point).collect() }
     }
 
+    /// The watched number, and its derivative with respect to the drive of the path.
     fn value_and_rate(&self, model: &ShellModel, at_rest: f64, point: &PathPoint) -> [f64; 2] {
         // The displacement of a vertex is linear in the unknowns.
         let mean = |x: &[f64]| {

@@ -26,6 +26,14 @@ pub const WELD_TOLERANCE: f64 = 1e-5;
 /// [`InputError`] when the file cannot be read, is not one STL solid, or has no triangle or a coordinate that is not finite.
 pub fn read(path: &Path, weld: f64) -> Result<TriangleMesh, InputError> {
     let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    parse(bytes, path, weld)
+}
+
+/// As [`read`], of the `bytes` of the file `path`.
+///
+/// # Errors
+/// [`InputError`] as for [`read`].
+pub fn parse(bytes: Vec<u8>, path: &Path, weld: f64) -> Result<TriangleMesh, InputError> {
     let corners = triangles(bytes).map_err(|what| InputError::new(path, what))?;
     if corners.is_empty() {
         return Err(InputError::new(path, "the STL holds no triangle"));

@@ -67,13 +67,37 @@ fn a_network_is_a_case_too() {
 
 #[test]
 fn every_case_is_listed() {
-    let out = Workshop::new().succeed(&["verify", "shells", "--list"]);
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/verify/shells");
-    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    for file in files {
-        let name = file.file_stem().unwrap().to_str().unwrap();
-        assert!(out.lines().any(|line| line.split(' ').next() == Some(name)), "{name} in {out}");
+    for what in ["shells", "stability"] {
+        let out = Workshop::new().succeed(&["verify", what, "--list"]);
+        let folder = format!("{}/verify/{what}", env!("CARGO_MANIFEST_DIR"));
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        for file in entries.filter(|path| path.is_file()) {
+            let name = file.file_stem().unwrap().to_str().unwrap();
+            let is_name = |line: &str| line.split(' ').next() == Some(name);
+            assert!(out.lines().any(is_name), "{name} in {out}");
+        }
     }
+}
+
+/// A plate and the same a thousandth of its size, on every solver: a table of one line for each run, and a file of them.
+#[test]
+fn hard_cases_leave_a_table() {
+    let workshop = Workshop::new();
+    let arguments = ["verify", "stability", "--case", "plate_in_mm", "--case", "plate_in_um"];
+    let out = workshop.succeed(&[&arguments[..], &["--out", "out"]].concat());
+    let lines: Vec<&str> = out.lines().collect();
+    assert!(lines[0].starts_with("case ") && lines[0].ends_with(" verdict"), "{out}");
+    let runs = lines.len() - 2;
+    assert!(lines[1..=runs].iter().all(|line| line.ends_with(" ok") && line.contains(" reached ")));
+    assert_eq!(lines[runs + 1], format!("{runs} of {runs} runs as expected"));
+    let iterations = workshop.column("out/stability.csv", "newton_iterations");
+    // Both sizes on one solver, or on two.
+    assert!(iterations.len() == runs && (runs == 2 || runs == 4), "{out}");
+    assert!(iterations.iter().all(|n| *n > 5.0 && *n == iterations[0]), "{iterations:?}");
+    assert!(workshop.column("out/stability.csv", "load").iter().all(|load| *load == 1.0));
+
+    let near = ["there is no case `plate_in_inches`; the nearest is `plate_in_"];
+    workshop.refuse(&["verify", "stability", "--case", "plate_in_inches"], 1, &near);
 }
 
 #[test]
