@@ -163,11 +163,13 @@ fn linear_step(
     solver: &mut dyn EquilibriumSolver,
     largest: f64,
 ) -> anyhow::Result<Walked> {
+    let walked =
+        |points, ending| Walked { points, ending, place: None, fell: false, newton_iterations: 0 };
     let rest = vec![0.0; model.pattern().order()];
     model.set_load(0.0);
     let negative_pivots = solver.linearize(model, &rest)?;
     if negative_pivots != model.stable_negative_pivots() {
-        return Ok(Walked { points: Vec::new(), ending: Ending::Unstable, place: None });
+        return Ok(walked(Vec::new(), Ending::Unstable));
     }
     let mut direction = rest.clone();
     model.load_direction(&rest, &mut direction);
@@ -185,5 +187,5 @@ fn linear_step(
         conjugate_rate,
         ..PathPoint::at_rest(load, 0)
     };
-    Ok(Walked { points: vec![point(0.0), point(largest)], ending: Ending::Reached, place: None })
+    Ok(walked(vec![point(0.0), point(largest)], Ending::Reached))
 }

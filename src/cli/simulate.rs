@@ -101,7 +101,7 @@ pub(super) fn run(
         plane_force: last.plane_force,
         planes: plane_summaries(&model, &walked.points),
         ending: walked.ending,
-        newton_iterations: rows.iter().map(|row| row.newton_iterations).sum(),
+        newton_iterations: walked.newton_iterations,
         unknowns: model.unknowns(),
         creased_share: model.creased_share(),
         solver: scene.solver.backend,

@@ -117,7 +117,7 @@ pub(super) fn run(
         planes: plane_summaries(&shape.model, &walked.points),
         ending: walked.ending,
         linear: scene.load.linear,
-        newton_iterations: rows.iter().map(|row| row.newton_iterations).sum(),
+        newton_iterations: walked.newton_iterations,
         unknowns,
         solver: scene.solver.backend,
         cpu_seconds,

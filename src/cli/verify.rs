@@ -255,7 +255,7 @@ fn order(coarse: &ErrorPoint, fine: &ErrorPoint) -> Option<f64> {
 }
 
 fn iterations(measured: &Measured) -> usize {
-    measured.walked.points.iter().map(|point| point.newton_iterations).sum()
+    measured.walked.newton_iterations
 }
 
 const OK: &str = "ok";

@@ -163,7 +163,10 @@ impl VerifySection {
                 value.len()
             );
             if *curve {
-                ensure!(scene.load.curve, "{what}: a curve wants [load] curve, to be traced");
+                ensure!(
+                    scene.load.curve || scene.load.volume.is_some(),
+                    "{what}: a curve wants [load] curve or volume, to be traced"
+                );
                 ensure!(
                     load.iter().all(|v| v.is_finite()) && load.iter().any(|v| *v != 0.0),
                     "{what}: the loads are not all numbers, or all zero"

@@ -255,7 +255,7 @@ fn judged(case: &StabilityCase, variant: Variant, solver: Backend, ran: &Ran) ->
     let points = &measured.walked.points;
     row.load = ran.reached;
     row.snaps = measured.walked.snaps().count();
-    row.newton_iterations = points.iter().map(|point| point.newton_iterations).sum();
+    row.newton_iterations = measured.walked.newton_iterations;
     row.step_cuts = points.iter().map(|point| point.cuts).sum();
     row.unknowns = measured.unknowns;
     row.cpu_seconds = measured.cpu_seconds;
@@ -431,8 +431,13 @@ mod tests {
             value: if k == 2 { value } else { k as f64 },
             rate: 1.0,
         };
-        let walked =
-            Walked { points: (0..3).map(state).collect(), ending: Ending::Reached, place: None };
+        let walked = Walked {
+            points: (0..3).map(state).collect(),
+            ending: Ending::Reached,
+            place: None,
+            fell: false,
+            newton_iterations: 0,
+        };
         Measured {
             walked,
             unknowns: 2,

@@ -40,7 +40,7 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
         let mut guess = best_prediction(walk.system, start, steps);
         guess.load = load;
         match walk.equilibrium(load, guess, 0)? {
-            Ok(mut point) => {
+            Ok(mut point) if walk.resolves(&point) => {
                 point.is_sample = true;
                 let easy = walk.iterations <= 5;
                 walk.accept(point);
@@ -56,7 +56,7 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
             {
                 return Ok(missed.ending);
             }
-            Err(_) => {
+            Ok(_) | Err(_) => {
                 walk.system.rewind();
                 walk.cuts += 1;
                 step *= 0.5;

@@ -156,6 +156,10 @@ pub struct Path {
     pub ending: Ending,
     /// An unknown where the path ended: where a bound was passed, or else what moved fastest there.
     pub place: Option<usize>,
+    /// Whether the last point had lost its stability, and the fall from it found no stable state.
+    pub fell: bool,
+    /// Newton iterations of the whole walk, those after the last point included.
+    pub newton_iterations: usize,
 }
 
 impl Path {
@@ -194,6 +198,8 @@ pub fn follow(
         iterations: 0,
         cuts: 0,
         spent: 0,
+        shifted: 0,
+        fell: false,
         place: None,
     };
     if let Some(last) = walk.points.last() {
@@ -206,7 +212,8 @@ pub fn follow(
     if !ending.is_complete() && walk.place.is_none() {
         walk.place = walk.points.last().and_then(|last| fastest(&last.rate));
     }
-    Ok(Path { points: walk.points, ending, place: walk.place })
+    let Walk { points, place, spent, fell, .. } = walk;
+    Ok(Path { points, ending, place, fell, newton_iterations: spent })
 }
 
 /// A path being walked.
@@ -226,6 +233,10 @@ pub(super) struct Walk<'a> {
     pub cuts: usize,
     /// Newton iterations on this path.
     pub spent: usize,
+    /// Indefinite tangents of the last search for an equilibrium.
+    pub shifted: usize,
+    /// Whether a fall from the last point found no end.
+    pub fell: bool,
     pub place: Option<usize>,
 }
 
@@ -322,7 +333,8 @@ impl Walk<'_> {
             let tried =
                 self.equilibrium(drive, guess, if may_halve { PATIENCE } else { usize::MAX })?;
             match tried {
-                Ok(mut point) if self.resolves(&point) => {
+                // At the smallest step only a tangent that was indefinite on the way tells a jump from a stiff start.
+                Ok(mut point) if self.resolves(&point) || (!may_halve && self.shifted == 0) => {
                     self.step = step * self.growth(&point, &predicted);
                     point.is_sample = drive == target;
                     self.accept(point);
@@ -357,7 +369,10 @@ impl Walk<'_> {
                                 return Ok(None);
                             }
                         }
-                        Err(ending) => return Ok(Some(ending)),
+                        Err(ending) => {
+                            self.fell = true;
+                            return Ok(Some(ending));
+                        }
                     }
                 }
             }
@@ -431,9 +446,11 @@ impl Walk<'_> {
         most_shifted: usize,
     ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
         let mut state = guess;
+        self.shifted = 0;
         for _ in 0..REFRESHES {
             let newton = NewtonSettings { most_shifted, ..self.settings.newton };
             let report = self.solve(drive, &mut state, &newton)?;
+            self.shifted += report.shifted;
             if self.spent > self.settings.iteration_budget {
                 return Ok(Err(Ending::BudgetSpent.into()));
             }

@@ -69,7 +69,6 @@ impl Walk<'_> {
         let mut damping = FIRST_DAMPING * self.mean_diagonal(&state)?;
         let largest = damping * MOST_DAMPING;
         let mut moved_before = f64::INFINITY;
-        let mut worst = Ending::LimitPoint;
         for _ in 0..MOST_STEPS {
             if self.spent > self.settings.iteration_budget {
                 return Ok(Err(Ending::BudgetSpent));
@@ -78,7 +77,7 @@ impl Walk<'_> {
             let report = self.damped_solve(drive, damping, &mut next)?;
             if report.ending != NewtonEnding::Converged {
                 damping *= 4.0;
-                worst = if report.ending == NewtonEnding::Inadmissible {
+                let worst = if report.ending == NewtonEnding::Inadmissible {
                     Ending::Inverted
                 } else {
                     Ending::Stalled
@@ -118,7 +117,7 @@ impl Walk<'_> {
             }
             moved_before = moved;
         }
-        Ok(Err(worst))
+        Ok(Err(Ending::LimitPoint))
     }
 
     fn damped_solve(

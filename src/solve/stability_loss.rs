@@ -10,7 +10,7 @@ impl Path {
     #[must_use]
     pub fn limit_load(&self) -> Option<f64> {
         let lost = self.points.windows(2).find_map(|pair| between(&pair[0], &pair[1]));
-        let is_limit = matches!(self.ending, Ending::LimitPoint | Ending::Unstable);
+        let is_limit = self.fell || matches!(self.ending, Ending::LimitPoint | Ending::Unstable);
         lost.or_else(|| self.points.last().filter(|_| is_limit).map(|last| last.load))
     }
 }
@@ -56,7 +56,7 @@ mod tests {
     }
 
     fn limit(points: Vec<PathPoint>, ending: Ending) -> Option<f64> {
-        Path { points, ending, place: None }.limit_load()
+        Path { points, ending, place: None, fell: false, newton_iterations: 0 }.limit_load()
     }
 
     /// `1 - (s - 1)^2` has its top at 1, between the points 0.8 and 1.5.
