@@ -12,8 +12,9 @@
 use super::bordered::{self, Constraint, Metric};
 use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step, work_between};
-use super::path::{PathPoint, State, Walk, best_prediction};
+use super::path::PathPoint;
 use super::supply::Supply;
+use super::walk::{State, Walk, best_prediction};
 use super::{NewtonEnding, SolverFailure};
 
 /// Traces the curve to where it first reaches the load `end`.

@@ -27,6 +27,7 @@ mod stability_loss;
 mod supply;
 #[cfg(test)]
 mod test_systems;
+mod walk;
 
 use serde::{Deserialize, Serialize};
 

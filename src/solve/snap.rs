@@ -15,7 +15,8 @@ use super::bordered::dot;
 use super::damped::Damped;
 use super::ending::Ending;
 use super::hermite::work_at_once;
-use super::path::{PathPoint, State, Walk};
+use super::path::PathPoint;
+use super::walk::{State, Walk};
 use super::{NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
 
 /// A loss of stability that a path went over, on the way to the point that carries it.

@@ -1,0 +1,420 @@
+//! The walk along a driven path: steps, their predictions, and when they are believed.
+
+use super::bordered::{self, Constraint};
+use super::ending::Ending;
+use super::hermite::{cubic_step, tangent_step, work_between};
+use super::krylov::solve_unsymmetric;
+use super::path::{PathPoint, PathSettings};
+use super::supply::Supply;
+use super::{EquilibriumSolver, NewtonReport, NewtonSettings, SolverFailure};
+use crate::model::system::LoadedSystem;
+
+/// A path being walked.
+pub(super) struct Walk<'a> {
+    pub system: &'a mut dyn LoadedSystem,
+    pub solver: &'a mut dyn EquilibriumSolver,
+    pub settings: &'a PathSettings,
+    pub supply: Supply,
+    /// Of the drive, from rest to the end.
+    pub span: f64,
+    /// The step to try next.
+    pub step: f64,
+    pub points: Vec<PathPoint>,
+    /// Newton iterations since the last accepted point.
+    pub iterations: usize,
+    /// Steps given up since the last accepted point.
+    pub cuts: usize,
+    /// Newton iterations on this path.
+    pub spent: usize,
+    /// Indefinite tangents of the last search for an equilibrium.
+    pub shifted: usize,
+    /// Whether a fall from the last point found no end.
+    pub fell: bool,
+    pub place: Option<usize>,
+}
+
+/// A state and its load.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    pub x: Vec<f64>,
+    pub load: f64,
+}
+
+/// Why an equilibrium was not found, and the unstable one where there is one.
+#[derive(Clone, Debug)]
+pub(super) struct Missed {
+    pub ending: Ending,
+    pub unstable: Option<State>,
+}
+
+impl From<Ending> for Missed {
+    fn from(ending: Ending) -> Self {
+        Self { ending, unstable: None }
+    }
+}
+
+impl Walk<'_> {
+    pub(super) fn drive_to(&mut self, end: f64) -> Result<Ending, SolverFailure> {
+        if self.points.is_empty()
+            && let Err(missed) = self.accept_start()?
+        {
+            return Ok(missed.ending);
+        }
+        let start = self.supply.at_rest(self.points[0].conjugate);
+        self.span = end - start;
+        let part = self.span / self.settings.steps as f64;
+        for k in 1..=self.settings.steps {
+            let target = start + self.span * k as f64 / self.settings.steps as f64;
+            let is_ahead = (target - self.last().drive) / part > 1e-9;
+            if is_ahead && let Some(ending) = self.reach(target, part)? {
+                return Ok(ending);
+            }
+        }
+        let is_snapped = self.points.iter().any(|point| point.snap.is_some());
+        Ok(if is_snapped { Ending::SnappedAndContinued } else { Ending::Reached })
+    }
+
+    /// Finds the state at rest.
+    pub(super) fn accept_start(&mut self) -> Result<Result<(), Missed>, SolverFailure> {
+        // At rest nothing moves, unless a barrier already pushes.
+        let x = vec![0.0; self.system.pattern().order()];
+        self.system.set_load(0.0);
+        let drive = self.supply.at_rest(self.system.conjugate(&x));
+        let supply = std::mem::replace(&mut self.supply, Supply::Load);
+        let found = self.equilibrium(0.0, State { x, load: 0.0 }, usize::MAX)?;
+        self.supply = supply;
+        Ok(found.map(|mut point| {
+            if supply != Supply::Load {
+                self.turn_to_supply(&mut point);
+            }
+            point.drive = drive;
+            point.is_sample = true;
+            self.accept(point);
+        }))
+    }
+
+    /// Gives the rates of a point, which are those of a given load, with respect to the drive of the supply.
+    fn turn_to_supply(&self, point: &mut PathPoint) {
+        let by_load = point.conjugate_rate;
+        let load_rate =
+            self.supply.equation(point.load, point.conjugate, point.drive).load_rate(by_load);
+        point.rate.iter_mut().for_each(|rate| *rate *= load_rate);
+        point.load_rate = load_rate;
+        point.conjugate_rate = by_load * load_rate;
+    }
+
+    /// Walks to `target`, halving the step where it fails or is too coarse; the ending, where one came first.
+    fn reach(&mut self, target: f64, part: f64) -> Result<Option<Ending>, SolverFailure> {
+        let halvings = self.settings.halvings as i32;
+        let shortest = part * 0.5_f64.powi(halvings);
+        let largest = part * self.settings.largest_step.max(0.5_f64.powi(halvings));
+        loop {
+            // A thin wall that bends from flat stiffens within a hair of load.
+            let starts = self.points.len() == 1;
+            let smallest = if starts { START * shortest } else { shortest };
+            let from = self.last().drive;
+            let left = target - from;
+            let mut step = if self.step.abs() < largest.abs() { self.step } else { largest };
+            // Two equal steps rather than a long and a tiny one.
+            if (left / step) < 1.0 + 1e-9 {
+                step = left;
+            } else if (left / step) < 2.0 {
+                step = 0.5 * left;
+            }
+            let drive = if step == left { target } else { from + step };
+            let halved = 0.5 * step;
+            let may_halve = halved / smallest >= 1.0 - 1e-9;
+            let guess = self.prediction(drive);
+            let predicted = guess.clone();
+            let tried =
+                self.equilibrium(drive, guess, if may_halve { PATIENCE } else { usize::MAX })?;
+            match tried {
+                // At the smallest step only a tangent that was indefinite on the way tells a jump from a stiff start.
+                Ok(mut point) if self.resolves(&point) || (!may_halve && self.shifted == 0) => {
+                    self.step = step * self.growth(&point, &predicted);
+                    point.is_sample = drive == target;
+                    self.accept(point);
+                    if drive == target {
+                        return Ok(None);
+                    }
+                }
+                Err(Missed { ending: Ending::BudgetSpent, .. }) => {
+                    return Ok(Some(Ending::BudgetSpent));
+                }
+                _ if may_halve => {
+                    self.system.rewind();
+                    self.step = halved;
+                    self.cuts += 1;
+                    self.place = None;
+                }
+                Err(Missed { ending, .. })
+                    if matches!(ending, Ending::Ballooning | Ending::SelfTouch) =>
+                {
+                    return Ok(Some(ending));
+                }
+                unresolved => {
+                    self.system.rewind();
+                    let saddle = unresolved.err().and_then(|missed| missed.unstable);
+                    match self.fall_beyond(step, target, saddle)? {
+                        Ok(mut point) => {
+                            self.step = 4.0 * smallest;
+                            point.is_sample = point.drive == target;
+                            let is_there = point.is_sample;
+                            self.accept(point);
+                            if is_there {
+                                return Ok(None);
+                            }
+                        }
+                        Err(ending) => {
+                            self.fell = true;
+                            return Ok(Some(ending));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Falls to a stable state at `step` or further ahead, at most at `target`: right behind a bifurcation the branches are
+    /// too near to be told apart.
+    fn fall_beyond(
+        &mut self,
+        step: f64,
+        target: f64,
+        mut saddle: Option<State>,
+    ) -> Result<Result<PathPoint, Ending>, SolverFailure> {
+        let left = target - self.last().drive;
+        let mut ahead = step;
+        loop {
+            let is_last = left / ahead < FURTHER || ahead / step > FURTHEST;
+            let drive = if ahead == left { target } else { self.last().drive + ahead };
+            match self.fall(drive, saddle.take())? {
+                Err(Ending::LimitPoint | Ending::Stalled) if !is_last => ahead *= FURTHER,
+                fallen => return Ok(fallen),
+            }
+        }
+    }
+
+    /// The factor on the next step: less where Newton's method had much to do, more where it had little and the prediction was
+    /// near.
+    fn growth(&self, point: &PathPoint, predicted: &State) -> f64 {
+        let last = self.last();
+        let (mut missed, mut moved) = (0.0, 0.0);
+        for ((x, guess), before) in point.x.iter().zip(&predicted.x).zip(&last.x) {
+            missed += (x - guess) * (x - guess);
+            moved += (x - before) * (x - before);
+        }
+        let by_work = (EASY_ITERATIONS / self.iterations.max(1) as f64).sqrt();
+        // The prediction's error is of third order or better.
+        let by_shape =
+            if moved > 0.0 { (NEAR * NEAR * moved / missed).powf(1.0 / 6.0) } else { 2.0 };
+        by_work.min(by_shape.max(1.0)).clamp(0.5, 2.0)
+    }
+
+    pub(super) fn accept(&mut self, mut point: PathPoint) {
+        let heat = self.system.settle(&point.x);
+        point.dissipated += heat;
+        point.stored_energy -= heat;
+        self.points.push(point);
+        (self.iterations, self.cuts) = (0, 0);
+    }
+
+    /// Whether the step to `point` is fine enough to be believed: the work done is the energy stored.
+    ///
+    /// What has no potential stores nothing to compare with.
+    pub(super) fn resolves(&self, point: &PathPoint) -> bool {
+        if !self.system.is_conservative() {
+            return true;
+        }
+        let last = self.last();
+        let stored = point.stored_energy - last.stored_energy;
+        let work = point.work - last.work;
+        let scale = point.work.abs().max(last.work.abs());
+        let tolerance = self.settings.work_tolerance * scale + self.system.energy_rounding();
+        stored - work <= tolerance && (work - stored <= tolerance || self.system.dissipates())
+    }
+
+    /// The stable equilibrium near `guess` at `drive`, over `most_shifted` indefinite tangents at most.
+    pub(super) fn equilibrium(
+        &mut self,
+        drive: f64,
+        guess: State,
+        most_shifted: usize,
+    ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
+        let mut state = guess;
+        self.shifted = 0;
+        for _ in 0..REFRESHES {
+            let newton = NewtonSettings { most_shifted, ..self.settings.newton };
+            let report = self.solve(drive, &mut state, &newton)?;
+            self.shifted += report.shifted;
+            if self.spent > self.settings.iteration_budget {
+                return Ok(Err(Ending::BudgetSpent.into()));
+            }
+            if let Some(ending) = Ending::of_failure(&report) {
+                return Ok(Err(ending.into()));
+            }
+            if self.system.refresh(&state.x) <= REFRESHED {
+                break;
+            }
+        }
+        self.point(drive, state)
+    }
+
+    /// One Newton solve under the supply.
+    pub(super) fn solve(
+        &mut self,
+        drive: f64,
+        state: &mut State,
+        newton: &NewtonSettings,
+    ) -> Result<NewtonReport, SolverFailure> {
+        let report = if self.supply == Supply::Load && self.system.is_conservative() {
+            self.system.set_load(drive);
+            state.load = drive;
+            self.solver.solve(self.system, &mut state.x, newton)?
+        } else {
+            let constraint =
+                Constraint::Supplied { supply: &self.supply, drive, scale: self.span.abs() };
+            let State { x, load } = state;
+            bordered::solve(self.system, self.solver, &constraint, x, load, newton)?
+        };
+        self.iterations += report.iterations;
+        self.spent += report.iterations;
+        Ok(report)
+    }
+
+    /// The point of the path at an equilibrium, where it is stable and within the model's bounds.
+    pub(super) fn point(
+        &mut self,
+        drive: f64,
+        state: State,
+    ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
+        let Some(mut point) = self.any_point(&state)? else {
+            return Ok(Err(Missed { ending: Ending::LimitPoint, unstable: Some(state) }));
+        };
+        let equation = self.supply.equation(point.load, point.conjugate, drive);
+        let cured = equation.cures(point.conjugate_rate);
+        if point.negative_pivots > cured {
+            return Ok(Err(Missed { ending: Ending::Unstable, unstable: Some(state) }));
+        }
+        if let Some(limit) = self.system.passed_limit(&state.x) {
+            self.place = Some(limit.unknown);
+            return Ok(Err(Ending::from(limit.kind).into()));
+        }
+        point.drive = drive;
+        point.is_stable = true;
+        if self.supply != Supply::Load {
+            self.turn_to_supply(&mut point);
+        }
+        if let Some(last) = self.points.last() {
+            point.work = last.work + work_between(last, &point);
+        }
+        Ok(Ok(point))
+    }
+
+    /// The point of an equilibrium, stable or not, its rates with respect to the load; none where the tangent is
+    /// singular. Its work is still to be added.
+    pub(super) fn any_point(&mut self, state: &State) -> Result<Option<PathPoint>, SolverFailure> {
+        let State { x, load } = state;
+        let stable = self.system.stable_negative_pivots();
+        self.system.set_load(*load);
+        let mut negative = self.solver.linearize(self.system, x)?;
+        if !self.system.is_conservative() {
+            // What the symmetric part loses says nothing.
+            negative = stable;
+        }
+        let energy = self.system.energy(x);
+        let (true, Ok(energy)) = (self.solver.is_invertible(), energy) else {
+            return Ok(None);
+        };
+        let mut direction = vec![0.0; x.len()];
+        self.system.load_direction(x, &mut direction);
+        let mut rate = direction.clone();
+        if !solve_unsymmetric(self.system, self.solver, x, &mut rate)?.has_converged() {
+            return Ok(None);
+        }
+        let conjugate = self.system.conjugate(x);
+        Ok(Some(PathPoint {
+            drive: *load,
+            on_arc: false,
+            load: *load,
+            conjugate,
+            work: 0.0,
+            stored_energy: energy + load * conjugate,
+            dissipated: self.points.last().map_or(0.0, |last| last.dissipated),
+            x: x.clone(),
+            conjugate_rate: bordered::dot(&direction, &rate),
+            rate,
+            load_rate: 1.0,
+            negative_pivots: negative.saturating_sub(stable),
+            is_stable: negative <= stable,
+            is_sample: false,
+            newton_iterations: self.iterations,
+            cuts: self.cuts,
+            snap: None,
+        }))
+    }
+
+    pub(super) fn last(&self) -> &PathPoint {
+        self.points.last().expect("the start is accepted first")
+    }
+
+    /// The better of the cubic and the tangent by the size of their residual; the last state where neither is admissible.
+    fn prediction(&mut self, drive: f64) -> State {
+        let last = self.last();
+        let step = drive - last.drive;
+        let mut candidates = vec![tangent_step(last, step)];
+        if let [.., before, last] = self.points.as_slice()
+            && last.snap.is_none()
+        {
+            candidates.push(cubic_step(before, last, step));
+        }
+        let start = State { x: last.x.clone(), load: last.load };
+        best_prediction(self.system, start, candidates)
+    }
+}
+
+/// The admissible one of `steps` (of state and load) from `start` with the smallest residual; `start` where none is.
+pub(super) fn best_prediction(
+    system: &mut dyn LoadedSystem,
+    start: State,
+    steps: Vec<(Vec<f64>, f64)>,
+) -> State {
+    let mut best = start.clone();
+    let mut residual = vec![0.0; start.x.len()];
+    let mut smallest = f64::INFINITY;
+    for (dx, dload) in steps {
+        let length = system.longest_step(&start.x, &dx);
+        let x: Vec<f64> = start.x.iter().zip(&dx).map(|(x, dx)| x + length * dx).collect();
+        let load = start.load + length * dload;
+        system.set_load(load);
+        if system.residual(&x, &mut residual).is_ok() {
+            let size = bordered::dot(&residual, &residual);
+            if size < smallest {
+                (smallest, best) = (size, State { x, load });
+            }
+        }
+    }
+    best
+}
+
+/// Indefinite tangents on the way to an equilibrium after which a smaller step is tried: barriers that fold about each other
+/// have some, though nothing is lost where the step ends.
+const PATIENCE: usize = 6;
+/// Newton iterations at which a step is as long as it should be.
+const EASY_ITERATIONS: f64 = 6.0;
+/// The error of a prediction, as a share of the step, at which it is as long as it should be.
+const NEAR: f64 = 0.2;
+/// The smallest step from rest, as a share of the smallest later.
+const START: f64 = 1e-3;
+/// How much further the next fall is tried, and the furthest after which none is.
+const FURTHER: f64 = 4.0;
+const FURTHEST: f64 = 15.0;
+/// Solves of one state until what the energy takes as constant agrees with it.
+const REFRESHES: usize = 30;
+/// How well it has to agree.
+const REFRESHED: f64 = 1e-4;
+
+/// The unknown that moves fastest.
+pub(super) fn fastest(rate: &[f64]) -> Option<usize> {
+    (0..rate.len()).max_by(|&a, &b| rate[a].abs().total_cmp(&rate[b].abs()))
+}
