@@ -25,6 +25,7 @@ mod verify_curves;
 mod verify_files;
 mod verify_section;
 mod verify_stability;
+mod walk_summary;
 mod watch;
 mod watch_curve;
 

@@ -13,6 +13,7 @@ use super::material::instability;
 use super::provenance::Provenance;
 use super::scene_file::{PartFiles, SceneFile};
 use super::shape::watches_of_closed;
+use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
@@ -21,7 +22,7 @@ use crate::math::cpu_seconds;
 use crate::mesh::ShellMesh;
 use crate::model::system::System;
 use crate::model::{ShellModel, Support};
-use crate::solve::{Backend, Ending, Path as Walked, SolveTimes, follow};
+use crate::solve::{Backend, Path as Walked, SolveTimes, follow};
 use crate::surface::{SurfaceQuality, TriangleMesh};
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -44,7 +45,8 @@ struct Summary {
     plane_force: f64,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     planes: Vec<PlaneSummary>,
-    ending: Ending,
+    #[serde(flatten)]
+    walk: WalkSummary,
     newton_iterations: usize,
     unknowns: usize,
     /// Share of the wall whose bending is softened at creases.
@@ -100,7 +102,7 @@ pub(super) fn run(
         stored_energy: last.stored_energy,
         plane_force: last.plane_force,
         planes: plane_summaries(&model, &walked.points),
-        ending: walked.ending,
+        walk: WalkSummary::new(&walked, &model),
         newton_iterations: walked.newton_iterations,
         unknowns: model.unknowns(),
         creased_share: model.creased_share(),
@@ -179,7 +181,7 @@ fn check_tip(mesh: &ShellMesh) -> anyhow::Result<()> {
 
 impl Summary {
     fn in_words(&self, out: &Path) -> String {
-        let ending = self.ending.name().replace('_', " ");
+        let ending = self.walk.in_words();
         let [x, y, z] = self.tip;
         format!(
             "{ending} at {:.4} MPa: tip moved by ({x:+.3}, {y:+.3}, {z:+.3}) mm, chord {:.2} deg, volume {:.1} -> {:.1} mm^3, plane force {:.3} N\n\

@@ -11,10 +11,11 @@ use super::provenance::Provenance;
 use super::say;
 use super::scene_file::{PartSource, SceneFile};
 use super::shape::{Measured, Shape};
+use super::walk_summary::WalkSummary;
 use crate::fitness::stability;
 use crate::io::{OutputFolder, atomic, csv, stl};
 use crate::math::cpu_seconds;
-use crate::solve::{Backend, Ending};
+use crate::solve::Backend;
 
 /// A row of `path.csv`.
 #[derive(Debug, Serialize)]
@@ -48,7 +49,8 @@ struct Summary<'a> {
     max_displacement: f64,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     planes: Vec<PlaneSummary>,
-    ending: Ending,
+    #[serde(flatten)]
+    walk: WalkSummary,
     linear: bool,
     newton_iterations: usize,
     unknowns: usize,
@@ -115,7 +117,7 @@ pub(super) fn run(
         stored_energy: last.stored_energy,
         max_displacement: last.max_displacement,
         planes: plane_summaries(&shape.model, &walked.points),
-        ending: walked.ending,
+        walk: WalkSummary::new(&walked, &shape.model),
         linear: scene.load.linear,
         newton_iterations: walked.newton_iterations,
         unknowns,
@@ -145,7 +147,7 @@ impl Summary<'_> {
         format!(
             "{} at load {:.4}: largest displacement {:.4e} mm, stored energy {:.4e} mJ{}{}\n\
              {} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
-            self.ending.name().replace('_', " "),
+            self.walk.in_words(),
             self.load,
             self.max_displacement,
             self.stored_energy,
