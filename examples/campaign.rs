@@ -18,10 +18,10 @@
 //! - PETSc against the native solver: designs whose ending differs, and the largest relative difference of `F_c` and `F_bf`.
 //!
 //! With `--steps-factor F` (2 halves and doubles) it studies instead how much the answer depends on the steps: the first 50
-//! genomes that are evaluated are walked again with a largest step `F` times smaller between the same samples, with `F` times
-//! as many samples, and with as many divided by `F`. The relative changes of `F_c` and `F_bf` are printed: median, largest,
+//! genomes that are evaluated are walked again with the smallest and the largest step `F` times smaller and larger between the
+//! same samples (which no step passes), with `F` times as many samples, and with as many divided by `F`. The relative changes of `F_c` and `F_bf` are printed: median, largest,
 //! and every design with one above 0.1 %. Both are the largest value over the path, so a sample that is left out or added near
-//! a maximum changes them too; the smaller step alone must not.
+//! a maximum changes them too; the bounds alone must not.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a program that prints tables")]
 
@@ -360,8 +360,15 @@ fn study_of_steps(genomes: &[Genome], factor: f64) -> Result<(), Failure> {
     let again: Vec<Genome> = studied.iter().map(|(_, genome, _)| genome.clone()).collect();
     let path = usual.load.path;
     let times = |scale: f64| ((path.steps as f64 * scale).round() as usize).max(1);
+    // The smallest step is a power of two.
+    let bounds = |scale: f64| PathSettings {
+        largest_step: path.largest_step * scale,
+        halvings: path.halvings.saturating_add_signed(-scale.log2().round() as i32),
+        ..path
+    };
     for (name, path) in [
-        ("smaller steps", PathSettings { largest_step: path.largest_step / factor, ..path }),
+        ("smaller bounds of the step", bounds(1.0 / factor)),
+        ("larger bounds of the step", bounds(factor)),
         ("more samples", PathSettings { steps: times(factor), ..path }),
         ("fewer samples", PathSettings { steps: times(1.0 / factor), ..path }),
     ] {

@@ -140,7 +140,7 @@ pub(super) fn check_shell(wall: &ShellSettings, load: &LoadSettings) -> anyhow::
         "[load.path] steps is {steps}, but it must lie between 1 and {MOST_STEPS}"
     );
     within("[load] stretch_bound", load.stretch_bound, 1.01, 1e3)?;
-    within("[load.path] largest_step", load.path.largest_step, 1e-3, 1.0)?;
+    within("[load.path] largest_step", load.path.largest_step, 1e-3, 1e3)?;
     ensure!(
         load.path.iteration_budget > 0,
         "[load.path] iteration_budget is 0, but a step takes iterations"

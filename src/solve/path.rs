@@ -31,7 +31,7 @@ use crate::model::system::LoadedSystem;
 pub struct PathSettings {
     /// Number of equal parts of the programme, at whose ends states are sampled.
     pub steps: usize,
-    /// The largest step, as a share of one of these parts.
+    /// The largest step, as a share of one of these parts; no step passes a sample.
     pub largest_step: f64,
     /// How often a part may be halved before the path loses its stability or ends.
     pub halvings: u32,
