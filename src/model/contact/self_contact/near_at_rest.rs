@@ -1,11 +1,13 @@
-//! Which samples of a wall are neighbours: those that a short way along the surface at rest joins.
+//! Which samples of a wall are neighbours: those that are near at rest, and joined by a short way along the surface.
+//!
+//! Ways along edges zigzag: on a lattice they are up to 1.41 times as long as straight ones, so more is allowed for them.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::math::Vec3;
 
-/// For each sample, the samples within a distance along the edges, itself included; ascending.
+/// For each sample, its neighbours, itself included; ascending.
 #[derive(Clone, Debug)]
 pub(super) struct Neighbours {
     starts: Vec<u32>,
@@ -13,8 +15,13 @@ pub(super) struct Neighbours {
 }
 
 impl Neighbours {
-    /// Along `edges` between samples at `positions` (mm), nearer than `distance` (mm).
-    pub(super) fn new(positions: &[Vec3], edges: &[[u32; 2]], distance: f64) -> Self {
+    /// Of samples at `positions` (mm): nearer than `straight`, and nearer than `distance` along `edges` (mm).
+    pub(super) fn new(
+        positions: &[Vec3],
+        edges: &[[u32; 2]],
+        straight: f64,
+        distance: f64,
+    ) -> Self {
         let mut links: Vec<Vec<(u32, f64)>> = vec![Vec::new(); positions.len()];
         for &[a, b] in edges {
             let length = (positions[a as usize] - positions[b as usize]).norm();
@@ -47,6 +54,11 @@ impl Neighbours {
                 }
             }
             all[first..].iter().for_each(|&sample| ways[sample as usize] = f64::INFINITY);
+            let from = positions[start as usize];
+            let near = all.split_off(first).into_iter().filter(|&sample| {
+                (positions[sample as usize] - from).norm_squared() < straight * straight
+            });
+            all.extend(near);
             all[first..].sort_unstable();
             starts.push(all.len() as u32);
         }
@@ -67,13 +79,14 @@ impl Neighbours {
 mod tests {
     use super::*;
 
-    /// On a line with steps of 1, a distance of 2.5 reaches two steps; a shortcut through space is no way.
+    /// On a line with steps of 1, a distance of 2.5 reaches two steps; a shortcut through space is no way, and a way is none
+    /// where the straight one is too long.
     #[test]
     fn ways_lead_along_the_edges() {
         let mut positions: Vec<Vec3> = (0..8).map(|k| Vec3::new(f64::from(k), 0.0, 0.0)).collect();
         positions[7] = Vec3::new(0.1, 0.0, 0.0);
         let edges: Vec<[u32; 2]> = (0..6).map(|k| [k, k + 1]).collect();
-        let neighbours = Neighbours::new(&positions, &edges, 2.5);
+        let neighbours = Neighbours::new(&positions, &edges, 2.2, 2.5);
         for a in 0..8_u32 {
             for b in 0..8_u32 {
                 let near = a == b || (a.max(b) < 7 && a.abs_diff(b) <= 2);
@@ -81,5 +94,6 @@ mod tests {
             }
         }
         assert!(neighbours.join(&[7, 0], &[5, 2]) && !neighbours.join(&[0, 1], &[5, 6]));
+        assert!(!Neighbours::new(&positions, &edges, 1.9, 2.5).join(&[0], &[2]));
     }
 }

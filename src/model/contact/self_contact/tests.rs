@@ -353,13 +353,11 @@ fn longest_step_keeps_all_gaps_open() {
     let mut chance = ChaCha8Rng::seed_from_u64(2);
     for (size, may_be_whole) in [(0.02, true), (0.2, false), (4.0, false)] {
         for _ in 0..3 {
-            let dx: Vec<Vec3> = positions
-                .iter()
-                .map(|x| {
-                    Vec3::new(0.0, 0.0, -x.z.signum()) * size
-                        + Vec3::from_fn(|_, _| chance.random_range(-0.3..0.3)) * size
-                })
-                .collect();
+            let mut pushed = |rest: &Vec3| {
+                let chance = Vec3::from_fn(|_, _| chance.random_range(-0.3..0.3));
+                size * (chance - rest.z.signum() * Vec3::z())
+            };
+            let dx: Vec<Vec3> = shell.reference.iter().map(&mut pushed).collect();
             let step = contact.longest_step(&positions, &dx);
             assert!(0.0 < step && (may_be_whole || step < 1.0), "{size}: {step}");
             assert!(!may_be_whole || step == 1.0);

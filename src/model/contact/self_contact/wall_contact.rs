@@ -19,7 +19,9 @@ use crate::model::local::Term;
 use crate::model::tie::{Tied, Ties};
 
 /// How much farther than the barrier's reach pairs are listed, in thicknesses.
-const MARGIN: f64 = 0.25;
+const MARGIN: f64 = 0.5;
+/// How much farther than the barrier's reach the pattern has room, in thicknesses: beyond are neighbours in a flat wall.
+const ROOM_MARGIN: f64 = 0.75;
 /// Largest activation, in thicknesses: beyond, neighbours in a flat wall come within reach.
 const LARGEST_ACTIVATION: f64 = 0.25;
 /// Room for more than so many times the listed triangles is too much.
@@ -92,7 +94,7 @@ impl WallContact {
         }
         let mut room = if is_too_much { Vec::new() } else { std::mem::take(&mut self.room) };
         let pose = self.surface.pose(&self.listed_at, None);
-        let far = self.reach() + 2.0 * MARGIN * self.surface.thickness;
+        let far = self.reach() + ROOM_MARGIN * self.surface.thickness;
         self.surface.visit_near(&pose, far, &mut |triangles, _| room.push(triangles));
         room.sort_unstable();
         room.dedup();
@@ -126,6 +128,7 @@ impl WallContact {
             let [thickness, _] = self.surface.thickness_of(&couple);
             let closest = |x: &[Vec3; 4]| couple.kind.closest(x);
             longest = longest_step(&x, &dx, couple.kind.first(), thickness, closest, longest);
+            pose.share.set(longest);
         });
         longest
     }

@@ -2,14 +2,15 @@
 //! the wall counts, and the search for what is near.
 //!
 //! # Decisions
-//! Points less than two thicknesses apart along the edges at rest never touch: a wall cannot fold more tightly, and what is
-//! side by side is always near. A triangle never touches itself.
+//! Points that are less than two thicknesses apart at rest, and less than three along the edges, never touch: a wall cannot
+//! fold more tightly, and what is side by side is always near. A triangle never touches itself.
 //!
 //! Where two parts of the wall touch, their normals oppose each other if the surface is closed: an outer face meets outer
 //! faces, an inner face inner ones. So triangles of a closed surface whose normals agree to within 60 degrees, before a
 //! step and after it, are not compared: nearly all of them are neighbours at rest. An open sheet may roll up, face on back;
 //! its triangles are all compared.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use super::distance::Closest;
@@ -18,8 +19,8 @@ use super::tree::{Box3, Tree};
 use crate::math::Vec3;
 use crate::model::element::{ElementPoints, SampledSurface};
 
-/// Ways along the surface below which parts never touch, in thicknesses.
-const NEIGHBOURHOOD: f64 = 2.0;
+/// Distances at rest below which parts never touch, straight and along the surface, in thicknesses.
+const NEIGHBOURHOOD: [f64; 2] = [2.0, 3.0];
 /// Share of its distance at rest that the wall may count as thick.
 const REST_SHARE: f64 = 0.9;
 /// How far a point's surroundings at rest matter, in thicknesses.
@@ -91,6 +92,8 @@ pub(super) struct Pose {
     pub(super) samples: Vec<Vec3>,
     /// Where they go; empty at a standstill.
     pub(super) motion: Vec<Vec3>,
+    /// The share of their motion that matters; it may shrink during a search.
+    pub(super) share: Cell<f64>,
     boxes: Vec<Box3>,
     motion_boxes: Vec<Box3>,
     /// Of each triangle, before and after; none where they do not matter.
@@ -117,7 +120,8 @@ impl WallSurface {
             triangle.samples.iter().map(|&v| rest[v as usize]).sum::<Vec3>() / 6.0
         };
         let tree = Tree::new(&triangles.iter().map(centre).collect::<Vec<_>>());
-        let neighbours = Neighbours::new(&rest, &edges, NEIGHBOURHOOD * thickness);
+        let [straight, along] = NEIGHBOURHOOD.map(|distance| distance * thickness);
+        let neighbours = Neighbours::new(&rest, &edges, straight, along);
         let mut made = Self {
             points: points.to_vec(),
             surface: surface.clone(),
@@ -182,7 +186,7 @@ impl WallSurface {
         } else {
             Default::default()
         };
-        Pose { samples, motion, boxes, motion_boxes, normals }
+        Pose { samples, motion, share: Cell::new(1.0), boxes, motion_boxes, normals }
     }
 
     /// Calls `visit` with the two triangles of each couple that comes within `reach` (mm) of each other in `pose`, and the
@@ -333,7 +337,7 @@ impl Pose {
         if self.motion.is_empty() {
             return 0.0;
         }
-        closing_speed(&samples.map(|v| self.motion[v as usize]), first)
+        self.share.get() * closing_speed(&samples.map(|v| self.motion[v as usize]), first)
     }
 }
 
