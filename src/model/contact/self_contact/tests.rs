@@ -185,7 +185,7 @@ fn pressed_together(wall: &WallSurface, reference: &[Vec3], gap: f64) -> Vec<Vec
         });
         smallest
     };
-    let (mut closed, mut open) = (-0.5, 1.0);
+    let (mut closed, mut open) = (0.0, 1.0);
     for _ in 0..40 {
         let middle = f64::midpoint(closed, open);
         if smallest(&pressed(middle)) < gap { closed = middle } else { open = middle }

@@ -11,7 +11,8 @@
 //! its triangles are all compared.
 
 use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
 
 use super::distance::Closest;
 use super::near_at_rest::Neighbours;
@@ -25,8 +26,8 @@ const NEIGHBOURHOOD: [f64; 2] = [2.0, 3.0];
 const REST_SHARE: f64 = 0.9;
 /// How far a point's surroundings at rest matter, in thicknesses.
 const REACH_AT_REST: f64 = 1.5;
-/// Cosine of the angle between normals below which triangles of a closed surface are compared.
-const FACING: f64 = 0.5;
+/// Angle between normals beyond which facets of a closed surface are compared.
+const FACING: f64 = PI / 3.0;
 
 /// What is known of a wall before it moves.
 #[derive(Clone, Debug)]
@@ -94,10 +95,11 @@ pub(super) struct Pose {
     pub(super) motion: Vec<Vec3>,
     /// The share of their motion that matters; it may shrink during a search.
     pub(super) share: Cell<f64>,
+    /// Around the nodes of the tree.
     boxes: Vec<Box3>,
     motion_boxes: Vec<Box3>,
-    /// Of each triangle, before and after; none where they do not matter.
-    normals: [Vec<Vec3>; 2],
+    /// Around their normals, before and after; none where normals do not matter.
+    cones: [Vec<Cone>; 2],
 }
 
 impl WallSurface {
@@ -109,7 +111,9 @@ impl WallSurface {
         thickness: f64,
     ) -> Self {
         let rest = surface.at(reference);
-        let (triangles, edges, is_closed) = triangles(surface, &rest);
+        let edges = edges(surface, &rest);
+        let triangles = triangles(surface, &edges);
+        let is_closed = edges.iter().all(|edge| !edge.is_rim);
         let mut areas = vec![0.0; rest.len()];
         for facet in &surface.facets {
             for v in facet {
@@ -121,7 +125,7 @@ impl WallSurface {
         };
         let tree = Tree::new(&triangles.iter().map(centre).collect::<Vec<_>>());
         let [straight, along] = NEIGHBOURHOOD.map(|distance| distance * thickness);
-        let neighbours = Neighbours::new(&rest, &edges, straight, along);
+        let neighbours = Neighbours::new(&rest, edges.iter().map(|it| it.ends), straight, along);
         let mut made = Self {
             points: points.to_vec(),
             surface: surface.clone(),
@@ -170,23 +174,22 @@ impl WallSurface {
         let box_around = |x: &[Vec3], triangle: u32| {
             Box3::around(self.triangles[triangle as usize].samples.map(|v| x[v as usize]))
         };
-        let boxes = self.tree.boxes(&|triangle| box_around(&samples, triangle));
-        let moves = !motion.is_empty();
-        let motion_boxes = if moves {
-            self.tree.boxes(&|triangle| box_around(&motion, triangle))
-        } else {
-            Vec::new()
+        let boxes_around = |x: &[Vec3]| {
+            let of_triangle = |t: u32| self.triangles[t as usize].box_around(x);
+            self.tree.fitted(&of_triangle, &Box3::join)
         };
-        let normals = if self.is_closed {
-            let after = moves.then(|| {
+        let boxes = boxes_around(&samples);
+        let is_moved = !motion.is_empty();
+        let motion_boxes = if is_moved { boxes_around(&motion) } else { Vec::new() };
+        let mut cones = <[Vec<Cone>; 2]>::default();
+        if self.is_closed {
+            cones[0] = self.cones(&samples);
+            if is_moved {
                 let there: Vec<Vec3> = samples.iter().zip(&motion).map(|(x, dx)| x + dx).collect();
-                self.normals(&there)
-            });
-            [self.normals(&samples), after.unwrap_or_default()]
-        } else {
-            Default::default()
-        };
-        Pose { samples, motion, share: Cell::new(1.0), boxes, motion_boxes, normals }
+                cones[1] = self.cones(&there);
+            }
+        }
+        Pose { samples, motion, share: Cell::new(1.0), boxes, motion_boxes, cones }
     }
 
     /// Calls `visit` with the two triangles of each couple that comes within `reach` (mm) of each other in `pose`, and the
@@ -197,17 +200,8 @@ impl WallSurface {
         reach: f64,
         visit: &mut dyn FnMut([u32; 2], Couple),
     ) {
-        let Pose { boxes, motion_boxes, .. } = pose;
-        let near = |a: usize, b: usize| {
-            let closing =
-                if motion_boxes.is_empty() { 0.0 } else { motion_boxes[a].reach(&motion_boxes[b]) };
-            boxes[a].gap_squared(&boxes[b]) < (reach + closing).powi(2)
-        };
-        self.tree.pairs(&near, &mut |a, b| {
-            if pose.faces([a, b]) {
-                self.visit_couples([a, b], pose, reach, visit);
-            }
-        });
+        let near = |a: usize, b: usize| pose.nodes_may_meet(a, b, reach);
+        self.tree.pairs(&near, &mut |a, b| self.visit_couples([a, b], pose, reach, visit));
     }
 
     /// How thick the wall counts at a sample, mm.
@@ -257,32 +251,45 @@ impl WallSurface {
                 visit([a, b], couple);
             }
         };
-        for (owner, facets, [at, over]) in [(one, other, [0, 6]), (other, one, [6, 0])] {
-            for &point in &owner.own_points {
-                for &Facet { corners: [i, j, k], sides, tips } in &facets.facets {
-                    let points = [at + point, over + i, over + j, over + k];
-                    offer(points, Kind::PointFacet { sides, tips }, 1);
-                }
+        let near_to = |triangle: &Triangle| {
+            let around = triangle.box_around(&pose.samples);
+            let motion = pose.is_moving().then(|| triangle.box_around(&pose.motion));
+            move |samples: &[u32]| pose.may_meet_box(samples, &around, motion.as_ref(), reach)
+        };
+        let (near_to_one, near_to_other) = (near_to(one), near_to(other));
+        for &point in one.own_points.iter().filter(|&&point| near_to_other(&[sample(point)])) {
+            for facet in &other.facets {
+                let [i, j, k] = facet.corners;
+                offer([point, 6 + i, 6 + j, 6 + k], facet.kind(), 1);
+            }
+        }
+        for &point in other.own_points.iter().filter(|&&point| near_to_one(&[sample(6 + point)])) {
+            for facet in &one.facets {
+                let [i, j, k] = facet.corners;
+                offer([6 + point, i, j, k], facet.kind(), 1);
             }
         }
         for edge in &one.own_edges {
-            for opposite in &other.own_edges {
-                let ([i, j], [k, l]) = (edge.ends, opposite.ends);
-                let kind = Kind::Edges { areas: [edge.area, opposite.area] };
-                offer([i, j, 6 + k, 6 + l], kind, 2);
+            let [i, j] = edge.ends;
+            if near_to_other(&[sample(i), sample(j)]) {
+                for opposite in &other.own_edges {
+                    let [k, l] = opposite.ends.map(|end| 6 + end);
+                    let kind = Kind::Edges { areas: [edge.area, opposite.area] };
+                    offer([i, j, k, l], kind, 2);
+                }
             }
         }
     }
 
-    /// Unit normals of the triangles; zero where a facet is turned away from it, which then faces everything.
-    fn normals(&self, x: &[Vec3]) -> Vec<Vec3> {
-        let normal = |facets: &[[u32; 3]]| {
-            let normals = facets.iter().map(|facet| area_vector(x, *facet));
-            let mean = normals.clone().sum::<Vec3>().normalize();
-            let is_flat = normals.clone().all(|normal| normal.dot(&mean) > 0.8 * normal.norm());
-            if is_flat { mean } else { Vec3::zeros() }
+    /// Cones around the normals of the facets.
+    fn cones(&self, x: &[Vec3]) -> Vec<Cone> {
+        let of_triangle = |triangle: u32| {
+            let first = 4 * triangle as usize;
+            let normals = [0, 1, 2, 3].map(|k| area_vector(x, self.surface.facets[first + k]));
+            let cones = normals.map(|normal| Cone { axis: normal.normalize(), angle: 0.0 });
+            cones[1..].iter().fold(cones[0], |cone, other| cone.join(other))
         };
-        self.surface.facets.chunks_exact(4).map(normal).collect()
+        self.tree.fitted(&of_triangle, &Cone::join)
     }
 }
 
@@ -312,12 +319,36 @@ impl Kind {
 }
 
 impl Pose {
-    fn faces(&self, [a, b]: [u32; 2]) -> bool {
-        let [before, after] = &self.normals;
-        let opposed = |normals: &[Vec3]| {
-            normals.is_empty() || normals[a as usize].dot(&normals[b as usize]) < FACING
+    /// Whether triangles of two nodes of the tree may face each other and come within `reach`.
+    fn nodes_may_meet(&self, a: usize, b: usize, reach: f64) -> bool {
+        let closing = if self.is_moving() {
+            self.share.get() * self.motion_boxes[a].reach(&self.motion_boxes[b])
+        } else {
+            0.0
         };
-        opposed(before) || (!after.is_empty() && opposed(after))
+        let largest = reach + closing;
+        let [before, after] = &self.cones;
+        let faces = |cones: &[Cone]| !cones.is_empty() && cones[a].faces(&cones[b]);
+        self.boxes[a].gap_squared(&self.boxes[b]) < largest * largest
+            && (before.is_empty() || faces(before) || faces(after))
+    }
+
+    fn is_moving(&self) -> bool {
+        !self.motion.is_empty()
+    }
+
+    /// Whether a part with corners at `samples` may come within `reach` of what is in a box.
+    fn may_meet_box(
+        &self,
+        samples: &[u32],
+        around: &Box3,
+        motion: Option<&Box3>,
+        reach: f64,
+    ) -> bool {
+        let of_samples = |all: &[Vec3]| Box3::around(samples.iter().map(|&v| all[v as usize]));
+        let closing = motion.map_or(0.0, |motion| motion.reach(&of_samples(&self.motion)));
+        let largest = reach + self.share.get() * closing;
+        of_samples(&self.samples).gap_squared(around) < largest * largest
     }
 
     /// Whether the balls around the `first` samples and around the others come within `reach`.
@@ -332,12 +363,47 @@ impl Pose {
         (a - b).norm_squared() < (reach + r + s + self.closing(samples, first)).powi(2)
     }
 
-    /// By how much the `first` samples and the others come closer at most, mm.
+    /// By how much at most the `first` samples and the others come closer, mm.
     pub(super) fn closing(&self, samples: &[u32; 4], first: usize) -> f64 {
-        if self.motion.is_empty() {
+        if !self.is_moving() {
             return 0.0;
         }
         self.share.get() * closing_speed(&samples.map(|v| self.motion[v as usize]), first)
+    }
+}
+
+impl Triangle {
+    fn box_around(&self, x: &[Vec3]) -> Box3 {
+        Box3::around(self.samples.map(|v| x[v as usize]))
+    }
+}
+
+impl Facet {
+    fn kind(&self) -> Kind {
+        Kind::PointFacet { sides: self.sides, tips: self.tips }
+    }
+}
+
+/// Directions within an angle about an axis.
+#[derive(Clone, Copy, Debug)]
+struct Cone {
+    axis: Vec3,
+    angle: f64,
+}
+
+impl Cone {
+    fn join(&self, other: &Self) -> Self {
+        let axis = (self.axis + other.axis).normalize();
+        let angle = |cone: &Self| cone.angle + axis.dot(&cone.axis).clamp(-1.0, 1.0).acos();
+        // Opposite axes have no mean, and no cone that is of use.
+        let angle = angle(self).max(angle(other));
+        Self { axis, angle: if angle.is_nan() { PI } else { angle } }
+    }
+
+    /// Whether directions of both may differ by more than is allowed to neighbours.
+    fn faces(&self, other: &Self) -> bool {
+        let left = FACING - self.angle - other.angle;
+        left <= 0.0 || self.axis.dot(&other.axis) < left.cos()
     }
 }
 
@@ -358,56 +424,81 @@ fn area(x: &[Vec3], facet: [u32; 3]) -> f64 {
     area_vector(x, facet).norm()
 }
 
-/// The triangles of a surface, its edges, and whether it is closed.
-fn triangles(surface: &SampledSurface, rest: &[Vec3]) -> (Vec<Triangle>, Vec<[u32; 2]>, bool) {
-    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
-    // Facets at each edge, with their area; facets and open edges at each sample.
-    let mut edges: BTreeMap<[u32; 2], (u32, f64)> = BTreeMap::new();
-    let mut around = vec![0_u32; rest.len()];
-    for facet in &surface.facets {
-        for side in sides(*facet) {
-            let (facets, share) = edges.entry(side).or_default();
-            *facets += 1;
-            *share += area(rest, *facet) / 3.0;
-        }
-        facet.iter().for_each(|&v| around[v as usize] += 1);
-    }
-    let mut at_rim = vec![false; rest.len()];
-    let rim = edges.iter().filter(|(_, (facets, _))| *facets == 1);
-    rim.flat_map(|(ends, _)| ends).for_each(|&v| at_rim[v as usize] = true);
-    let is_closed = !at_rim.contains(&true);
+/// An edge between two samples.
+#[derive(Clone, Copy)]
+struct Edge {
+    ends: [u32; 2],
+    /// Of its first triangle.
+    triangle: u32,
+    is_rim: bool,
+    /// Share of the reference area, mm^2.
+    area: f64,
+}
 
-    let mut point_is_free = vec![true; rest.len()];
-    let mut free_edges = edges.clone();
+/// The edges of a surface.
+fn edges(surface: &SampledSurface, rest: &[Vec3]) -> Vec<Edge> {
+    let sides = surface.facets.iter().zip(0_u32..).flat_map(|(&[a, b, c], facet)| {
+        [[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], facet))
+    });
+    let mut sides: Vec<([u32; 2], u32)> = sides.collect();
+    sides.sort_unstable();
+    let edge = |at: &[([u32; 2], u32)]| Edge {
+        ends: at[0].0,
+        triangle: at[0].1 / 4,
+        is_rim: at.len() == 1,
+        area: at.iter().map(|&(_, facet)| area(rest, surface.facets[facet as usize]) / 3.0).sum(),
+    };
+    sides.chunk_by(|one, next| one.0 == next.0).map(edge).collect()
+}
+
+/// The triangles of a surface with these `edges`.
+fn triangles(surface: &SampledSurface, edges: &[Edge]) -> Vec<Triangle> {
+    let mut around = vec![0_u32; surface.samples.len()];
+    surface.facets.iter().flatten().for_each(|&v| around[v as usize] += 1);
+    let mut at_rim = vec![false; surface.samples.len()];
+    let rim: BTreeSet<[u32; 2]> = edges.iter().filter(|it| it.is_rim).map(|it| it.ends).collect();
+    rim.iter().flatten().for_each(|&v| at_rim[v as usize] = true);
+    let mut is_owned = vec![false; surface.samples.len()];
     let triangle = |facets: &[[u32; 3]]| {
         // The corners' facets come first, then the one of the edge midpoints.
         let [a, b, c] = [facets[0][0], facets[1][0], facets[2][0]];
         let [d, e, f] = facets[3];
         let samples = [a, b, c, d, e, f];
-        let local = |v: u32| samples.iter().position(|&w| w == v).map_or(0, |place| place as u8);
-        let own_points = (0..6).filter(|&point| {
-            std::mem::replace(&mut point_is_free[samples[point as usize] as usize], false)
-        });
-        let own_points = own_points.collect();
-        let mut own_edges = Vec::new();
-        let of_facet = |facet: &[u32; 3]| {
-            for side in sides(*facet) {
-                if let Some((_, area)) = free_edges.remove(&side) {
-                    own_edges.push(OwnEdge { ends: side.map(local), area });
-                }
-            }
+        let of_facet = |&corners: &[u32; 3]| {
+            let [a, b, c] = corners;
+            let side = |[a, b]: [u32; 2]| {
+                if rim.contains(&[a.min(b), a.max(b)]) { 0.0 } else { -0.5 }
+            };
+            let tip = |v: u32| {
+                if at_rim[v as usize] { 0.0 } else { 1.0 / f64::from(around[v as usize]) }
+            };
             Facet {
-                corners: facet.map(local),
-                sides: sides(*facet).map(|side| if edges[&side].0 == 1 { 0.0 } else { -0.5 }),
-                tips: facet.map(|v| {
-                    if at_rim[v as usize] { 0.0 } else { 1.0 / f64::from(around[v as usize]) }
-                }),
+                corners: corners.map(|v| place_of(v, &samples)),
+                sides: [[a, b], [b, c], [c, a]].map(side),
+                tips: corners.map(tip),
             }
         };
-        let mut of_facet = of_facet;
-        let facets = [0, 1, 2, 3].map(|k| of_facet(&facets[k]));
-        Triangle { samples, facets, own_points, own_edges }
+        let own_points = (0..6).filter(|&point| {
+            let sample = samples[point as usize] as usize;
+            !std::mem::replace(&mut is_owned[sample], true)
+        });
+        Triangle {
+            samples,
+            facets: [0, 1, 2, 3].map(|k| of_facet(&facets[k])),
+            own_points: own_points.collect(),
+            own_edges: Vec::new(),
+        }
     };
-    let triangles = surface.facets.chunks_exact(4).map(triangle).collect();
-    (triangles, edges.into_keys().collect(), is_closed)
+    let mut triangles: Vec<Triangle> = surface.facets.chunks_exact(4).map(triangle).collect();
+    for edge in edges {
+        let triangle = &mut triangles[edge.triangle as usize];
+        let ends = edge.ends.map(|v| place_of(v, &triangle.samples));
+        triangle.own_edges.push(OwnEdge { ends, area: edge.area });
+    }
+    triangles
+}
+
+fn place_of(sample: u32, samples: &[u32; 6]) -> u8 {
+    let place = samples.iter().position(|&other| other == sample);
+    place.expect("a facet's corners are its triangle's points") as u8
 }
