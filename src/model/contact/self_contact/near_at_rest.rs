@@ -1,4 +1,5 @@
-//! Which samples of a wall are neighbours: those that are near at rest, and joined by a short way along the surface.
+//! Which samples of a wall are neighbours: those that are near at rest, and joined by a short way along the surface that
+//! stays near.
 //!
 //! Ways along edges zigzag: on a lattice they are up to 1.41 times as long as straight ones, so more is allowed for them.
 
@@ -56,17 +57,17 @@ impl Neighbours {
             }
             for &next in &self.links[sample as usize] {
                 let longer = way + self.between(sample, next);
+                if longer >= self.distance || self.between(start, next) >= self.straight {
+                    continue;
+                }
                 let known = ways.entry(next).or_insert(f64::INFINITY);
-                if longer < self.distance && longer < *known {
+                if longer < *known {
                     *known = longer;
                     front.push(Reverse((longer.to_bits(), next)));
                 }
             }
         }
-        let is_near = |(&sample, &way): (&u32, &f64)| {
-            way < self.distance && self.between(start, sample) < self.straight
-        };
-        ways.iter().filter(|&it| is_near(it)).map(|(&sample, _)| sample).collect()
+        ways.into_keys().collect()
     }
 
     fn between(&self, a: u32, b: u32) -> f64 {

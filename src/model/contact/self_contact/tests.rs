@@ -11,7 +11,7 @@ use super::distance::Closest;
 use super::pair::{Pair, PairDerivatives, barrier};
 use super::pair_term::PairTerm;
 use super::wall_contact::{Frame, WallContact};
-use super::wall_surface::{Kind, WallSurface};
+use super::wall_surface::{Kind, Search, WallSurface};
 use crate::math::Vec3;
 use crate::model::element::{ElementPoints, SampledSurface};
 use crate::model::term_suite::{Case, term_suite};
@@ -179,7 +179,7 @@ fn pressed_together(wall: &WallSurface, reference: &[Vec3], gap: f64) -> Vec<Vec
     let smallest = |positions: &[Vec3]| {
         let pose = wall.pose(positions, None);
         let mut smallest = f64::INFINITY;
-        wall.visit_near(&pose, 2.0 * wall.thickness, &mut |_, couple| {
+        wall.visit_near(&pose, Search::within(2.0 * wall.thickness), &mut |_, couple| {
             let [thickness, _] = wall.thickness_of(&couple);
             smallest = smallest.min(couple.closest(&pose.samples).distance - thickness);
         });
@@ -344,9 +344,16 @@ fn longest_step_keeps_all_gaps_open() {
     let gap = |positions: &[Vec3]| {
         let pose = wall.pose(positions, None);
         let mut smallest = f64::INFINITY;
-        wall.visit_near(&pose, wall.thickness, &mut |_, couple| {
+        wall.visit_near(&pose, Search::within(2.0 * wall.thickness), &mut |_, couple| {
             let [thickness, _] = wall.thickness_of(&couple);
-            smallest = smallest.min(couple.closest(&pose.samples).distance - thickness);
+            let gap = couple.closest(&pose.samples).distance - thickness;
+            if gap < smallest {
+                eprintln!(
+                    "DEBUG {gap} {:?} {thickness}",
+                    couple.samples.map(|v| pose.samples[v as usize])
+                );
+            }
+            smallest = smallest.min(gap);
         });
         smallest
     };
@@ -359,6 +366,12 @@ fn longest_step_keeps_all_gaps_open() {
             };
             let dx: Vec<Vec3> = shell.reference.iter().map(&mut pushed).collect();
             let step = contact.longest_step(&positions, &dx);
+            eprintln!(
+                "DEBUG size {size} step {step} gap {} whole {} stencils {}",
+                gap(&positions),
+                gap(&positions.iter().zip(&dx).map(|(x, dx)| x + dx).collect::<Vec<_>>()),
+                contact.term().stencils().len()
+            );
             assert!(0.0 < step && (may_be_whole || step < 1.0), "{size}: {step}");
             assert!(!may_be_whole || step == 1.0);
             for k in 0..=20 {

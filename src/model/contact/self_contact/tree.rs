@@ -152,6 +152,16 @@ impl Box3 {
         apart.iter().map(|apart| apart.max(0.0) * apart.max(0.0)).sum()
     }
 
+    /// The least product of a vector to one box and a vector to the other.
+    pub(super) fn least_dot(&self, other: &Self) -> f64 {
+        let least = |axis: usize| {
+            let ends = |at: &Self| [at.low[axis], at.high[axis]];
+            let [[a, b], [c, d]] = [ends(self), ends(other)];
+            (a * c).min(a * d).min(b * c).min(b * d)
+        };
+        least(0) + least(1) + least(2)
+    }
+
     /// The largest distance between a point of one box and a point of another, mm.
     pub(super) fn reach(&self, other: &Self) -> f64 {
         (other.high - self.low).sup(&(self.high - other.low)).norm()
@@ -213,5 +223,7 @@ mod tests {
         assert_eq!(boxes[0].gap_squared(&boxes[1]), 12.0);
         assert_eq!(boxes[0].gap_squared(&boxes[0]), 0.0);
         assert!((boxes[0].reach(&boxes[1]) - 75.0_f64.sqrt()).abs() < 1e-14);
+        let either = Box3::around([Vec3::new(-1.0, 2.0, 0.0), Vec3::new(3.0, 4.0, 0.5)]);
+        assert_eq!(either.least_dot(&boxes[1]), -5.0 + 6.0);
     }
 }

@@ -13,7 +13,7 @@ use super::SelfContactSettings;
 use super::pair::Pair;
 use super::pair_term::PairTerm;
 use super::step::longest_step;
-use super::wall_surface::{Couple, WallSurface};
+use super::wall_surface::{Couple, Search, WallSurface};
 use crate::math::Vec3;
 use crate::model::local::Term;
 use crate::model::tie::{Tied, Ties};
@@ -95,7 +95,8 @@ impl WallContact {
         let mut room = if is_too_much { Vec::new() } else { std::mem::take(&mut self.room) };
         let pose = self.surface.pose(&self.listed_at, None);
         let far = self.reach() + ROOM_MARGIN * self.surface.thickness;
-        self.surface.visit_near(&pose, far, &mut |triangles, _| room.push(triangles));
+        self.surface
+            .visit_near(&pose, Search::within(far), &mut |triangles, _| room.push(triangles));
         room.sort_unstable();
         room.dedup();
         let pairs = room.iter().map(|&triangles| (triangles, Vec::new())).collect();
@@ -122,7 +123,8 @@ impl WallContact {
             return longest;
         }
         let pose = self.surface.pose(positions, Some(dx));
-        self.surface.visit_near(&pose, self.surface.thickness, &mut |_, couple: Couple| {
+        let search = Search::within(self.surface.thickness);
+        self.surface.visit_near(&pose, search, &mut |_, couple: Couple| {
             let [x, dx] =
                 [&pose.samples, &pose.motion].map(|all| couple.samples.map(|v| all[v as usize]));
             let [thickness, _] = self.surface.thickness_of(&couple);
@@ -171,7 +173,7 @@ impl WallContact {
         let pose = self.surface.pose(positions, None);
         let mut pairs: BTreeMap<[u32; 2], Vec<Pair>> = BTreeMap::new();
         let far = self.reach() + MARGIN * self.surface.thickness;
-        self.surface.visit_near(&pose, far, &mut |triangles, couple| {
+        self.surface.visit_near(&pose, Search::within(far), &mut |triangles, couple| {
             let pair = Pair::new(&couple, &self.surface, activation, stiffness);
             pairs.entry(triangles).or_default().push(pair);
         });

@@ -6,13 +6,12 @@
 //! fold more tightly, and what is side by side is always near. A triangle never touches itself.
 //!
 //! Where two parts of the wall touch, their normals oppose each other if the surface is closed: an outer face meets outer
-//! faces, an inner face inner ones. So triangles of a closed surface whose normals agree to within 60 degrees, before a
-//! step and after it, are not compared: nearly all of them are neighbours at rest. An open sheet may roll up, face on back;
+//! faces, an inner face inner ones. So triangles of a closed surface whose normals differ by less than a right angle, before
+//! a step and after it, are not compared: nearly all of them are neighbours at rest. An open sheet may roll up, face on back;
 //! its triangles are all compared.
 
 use std::cell::Cell;
 use std::collections::BTreeSet;
-use std::f64::consts::PI;
 
 use super::distance::Closest;
 use super::near_at_rest::Neighbours;
@@ -26,8 +25,27 @@ const NEIGHBOURHOOD: [f64; 2] = [2.0, 3.0];
 const REST_SHARE: f64 = 0.9;
 /// How far a point's surroundings at rest matter, in thicknesses.
 const REACH_AT_REST: f64 = 1.5;
-/// Angle between normals beyond which facets of a closed surface are compared.
-const FACING: f64 = PI / 3.0;
+/// What is searched for.
+#[derive(Clone, Copy)]
+pub(super) struct Search {
+    /// How near parts are, mm.
+    pub(super) reach: f64,
+    /// Cosine of the angle between normals beyond which triangles of a closed surface are compared.
+    facing: f64,
+    has_edges: bool,
+}
+
+impl Search {
+    /// For all that is nearer than `reach`, mm.
+    pub(super) fn within(reach: f64) -> Self {
+        Self { reach, facing: 0.0, has_edges: true }
+    }
+
+    /// For touching faces: those that all but oppose each other, and points on facets, which see a face as soon as its edges.
+    pub(super) fn for_touch(reach: f64) -> Self {
+        Self { reach, facing: -0.5, has_edges: false }
+    }
+}
 
 /// What is known of a wall before it moves.
 #[derive(Clone, Debug)]
@@ -55,6 +73,8 @@ struct Triangle {
     facets: [Facet; 4],
     own_points: Vec<u8>,
     own_edges: Vec<OwnEdge>,
+    /// Edges that triangles before it answer for.
+    first_edge: usize,
 }
 
 /// A facet among a triangle's six points, and what its sides and corners count (see [`super::pair`]).
@@ -99,7 +119,18 @@ pub(super) struct Pose {
     boxes: Vec<Box3>,
     motion_boxes: Vec<Box3>,
     /// Around their normals, before and after; none where normals do not matter.
-    cones: [Vec<Cone>; 2],
+    normals: [Vec<Box3>; 2],
+    /// Around each facet.
+    facets: Vec<Ball>,
+    /// Around the edges that each triangle answers for, in the order of the triangles.
+    edges: Vec<Ball>,
+}
+
+/// All points within a radius of a centre, mm.
+#[derive(Clone, Copy)]
+struct Ball {
+    centre: Vec3,
+    radius: f64,
 }
 
 impl WallSurface {
@@ -141,7 +172,7 @@ impl WallSurface {
         let pose = made.pose(reference, None);
         let reach = REACH_AT_REST * thickness;
         let mut room = std::mem::take(&mut made.room);
-        made.visit_near(&pose, reach, &mut |_, couple| {
+        made.visit_near(&pose, Search::within(reach), &mut |_, couple| {
             if let Kind::PointFacet { .. } = couple.kind {
                 let room = &mut room[couple.samples[0] as usize];
                 *room = room.min(couple.closest(&pose.samples).distance);
@@ -171,9 +202,6 @@ impl WallSurface {
     pub(super) fn pose(&self, positions: &[Vec3], dx: Option<&[Vec3]>) -> Pose {
         let samples = self.surface.at(positions);
         let motion = dx.map(|dx| self.surface.at(dx)).unwrap_or_default();
-        let box_around = |x: &[Vec3], triangle: u32| {
-            Box3::around(self.triangles[triangle as usize].samples.map(|v| x[v as usize]))
-        };
         let boxes_around = |x: &[Vec3]| {
             let of_triangle = |t: u32| self.triangles[t as usize].box_around(x);
             self.tree.fitted(&of_triangle, &Box3::join)
@@ -181,27 +209,34 @@ impl WallSurface {
         let boxes = boxes_around(&samples);
         let is_moved = !motion.is_empty();
         let motion_boxes = if is_moved { boxes_around(&motion) } else { Vec::new() };
-        let mut cones = <[Vec<Cone>; 2]>::default();
+        let mut normals = <[Vec<Box3>; 2]>::default();
         if self.is_closed {
-            cones[0] = self.cones(&samples);
+            normals[0] = self.normals(&samples);
             if is_moved {
                 let there: Vec<Vec3> = samples.iter().zip(&motion).map(|(x, dx)| x + dx).collect();
-                cones[1] = self.cones(&there);
+                normals[1] = self.normals(&there);
             }
         }
-        Pose { samples, motion, share: Cell::new(1.0), boxes, motion_boxes, cones }
+        let facet = |facet: &[u32; 3]| Ball::around(&facet.map(|v| samples[v as usize]));
+        let facets = self.surface.facets.iter().map(facet).collect();
+        let edges = self.triangles.iter().flat_map(|triangle| {
+            let end = |end: u8| samples[triangle.samples[end as usize] as usize];
+            triangle.own_edges.iter().map(move |edge| Ball::around(&edge.ends.map(end)))
+        });
+        let (edges, share) = (edges.collect(), Cell::new(1.0));
+        Pose { samples, motion, share, boxes, motion_boxes, normals, facets, edges }
     }
 
-    /// Calls `visit` with the two triangles of each couple that comes within `reach` (mm) of each other in `pose`, and the
-    /// couple; the order is always the same.
+    /// Calls `visit` with the two triangles of each couple that `search` is for in `pose`, and the couple; the order is
+    /// always the same.
     pub(super) fn visit_near(
         &self,
         pose: &Pose,
-        reach: f64,
+        search: Search,
         visit: &mut dyn FnMut([u32; 2], Couple),
     ) {
-        let near = |a: usize, b: usize| pose.nodes_may_meet(a, b, reach);
-        self.tree.pairs(&near, &mut |a, b| self.visit_couples([a, b], pose, reach, visit));
+        let near = |a: usize, b: usize| pose.nodes_may_meet(a, b, search);
+        self.tree.pairs(&near, &mut |a, b| self.visit_couples([a, b], pose, search, visit));
     }
 
     /// How thick the wall counts at a sample, mm.
@@ -233,10 +268,17 @@ impl WallSurface {
         &self,
         [a, b]: [u32; 2],
         pose: &Pose,
-        reach: f64,
+        search: Search,
         visit: &mut dyn FnMut([u32; 2], Couple),
     ) {
         let [one, other] = [a, b].map(|t| &self.triangles[t as usize]);
+        let closing = if pose.is_moving() {
+            let [one, other] = [one, other].map(|triangle| triangle.box_around(&pose.motion));
+            pose.share.get() * one.reach(&other)
+        } else {
+            0.0
+        };
+        let far = search.reach + closing;
         let sample = |point: u8| {
             let owner = if point < 6 { one } else { other };
             owner.samples[point as usize % 6]
@@ -244,36 +286,34 @@ impl WallSurface {
         let mut offer = |points: [u8; 4], kind: Kind, first: usize| {
             let samples = points.map(sample);
             let couple = Couple { points, samples, kind };
-            if pose.may_meet(&samples, first, reach)
-                && !self.neighbours.join(&samples[..first], &samples[first..])
-                && couple.closest(&pose.samples).distance < reach + pose.closing(&samples, first)
+            if !self.neighbours.join(&samples[..first], &samples[first..])
+                && couple.closest(&pose.samples).distance
+                    < search.reach + pose.closing(&samples, first)
             {
                 visit([a, b], couple);
             }
         };
-        let near_to = |triangle: &Triangle| {
-            let around = triangle.box_around(&pose.samples);
-            let motion = pose.is_moving().then(|| triangle.box_around(&pose.motion));
-            move |samples: &[u32]| pose.may_meet_box(samples, &around, motion.as_ref(), reach)
-        };
-        let (near_to_one, near_to_other) = (near_to(one), near_to(other));
-        for &point in one.own_points.iter().filter(|&&point| near_to_other(&[sample(point)])) {
-            for facet in &other.facets {
-                let [i, j, k] = facet.corners;
-                offer([point, 6 + i, 6 + j, 6 + k], facet.kind(), 1);
+        for (owner, at, facets, over, t) in [(one, 0, other, 6, b), (other, 6, one, 0, a)] {
+            for &point in &owner.own_points {
+                let point = at + point;
+                let ball = Ball { centre: pose.samples[sample(point) as usize], radius: 0.0 };
+                for (k, facet) in facets.facets.iter().enumerate() {
+                    if ball.is_near(&pose.facets[4 * t as usize + k], far) {
+                        let [i, j, k] = facet.corners.map(|corner| over + corner);
+                        let kind = Kind::PointFacet { sides: facet.sides, tips: facet.tips };
+                        offer([point, i, j, k], kind, 1);
+                    }
+                }
             }
         }
-        for &point in other.own_points.iter().filter(|&&point| near_to_one(&[sample(6 + point)])) {
-            for facet in &one.facets {
-                let [i, j, k] = facet.corners;
-                offer([6 + point, i, j, k], facet.kind(), 1);
-            }
+        if !search.has_edges {
+            return;
         }
-        for edge in &one.own_edges {
-            let [i, j] = edge.ends;
-            if near_to_other(&[sample(i), sample(j)]) {
-                for opposite in &other.own_edges {
-                    let [k, l] = opposite.ends.map(|end| 6 + end);
+        for (edge, ball) in one.own_edges.iter().zip(&pose.edges[one.first_edge..]) {
+            for (opposite, far_ball) in other.own_edges.iter().zip(&pose.edges[other.first_edge..])
+            {
+                if ball.is_near(far_ball, far) {
+                    let ([i, j], [k, l]) = (edge.ends, opposite.ends.map(|end| 6 + end));
                     let kind = Kind::Edges { areas: [edge.area, opposite.area] };
                     offer([i, j, k, l], kind, 2);
                 }
@@ -281,15 +321,19 @@ impl WallSurface {
         }
     }
 
-    /// Cones around the normals of the facets.
-    fn cones(&self, x: &[Vec3]) -> Vec<Cone> {
+    /// Boxes around the unit normals of the facets.
+    fn normals(&self, x: &[Vec3]) -> Vec<Box3> {
         let of_triangle = |triangle: u32| {
             let first = 4 * triangle as usize;
-            let normals = [0, 1, 2, 3].map(|k| area_vector(x, self.surface.facets[first + k]));
-            let cones = normals.map(|normal| Cone { axis: normal.normalize(), angle: 0.0 });
-            cones[1..].iter().fold(cones[0], |cone, other| cone.join(other))
+            let facets = &self.surface.facets[first..first + 4];
+            // Where a facet has no area anything may be its normal.
+            Box3::around(facets.iter().map(|&facet| {
+                let vector = area_vector(x, facet);
+                let length = vector.norm();
+                if length > 0.0 { vector / length } else { Vec3::zeros() }
+            }))
         };
-        self.tree.fitted(&of_triangle, &Cone::join)
+        self.tree.fitted(&of_triangle, &Box3::join)
     }
 }
 
@@ -319,48 +363,24 @@ impl Kind {
 }
 
 impl Pose {
-    /// Whether triangles of two nodes of the tree may face each other and come within `reach`.
-    fn nodes_may_meet(&self, a: usize, b: usize, reach: f64) -> bool {
+    /// Whether triangles of two nodes of the tree may face each other and come within reach.
+    fn nodes_may_meet(&self, a: usize, b: usize, search: Search) -> bool {
         let closing = if self.is_moving() {
             self.share.get() * self.motion_boxes[a].reach(&self.motion_boxes[b])
         } else {
             0.0
         };
-        let largest = reach + closing;
-        let [before, after] = &self.cones;
-        let faces = |cones: &[Cone]| !cones.is_empty() && cones[a].faces(&cones[b]);
+        let largest = search.reach + closing;
+        let [before, after] = &self.normals;
+        let faces = |normals: &[Box3]| {
+            !normals.is_empty() && normals[a].least_dot(&normals[b]) < search.facing
+        };
         self.boxes[a].gap_squared(&self.boxes[b]) < largest * largest
             && (before.is_empty() || faces(before) || faces(after))
     }
 
     fn is_moving(&self) -> bool {
         !self.motion.is_empty()
-    }
-
-    /// Whether a part with corners at `samples` may come within `reach` of what is in a box.
-    fn may_meet_box(
-        &self,
-        samples: &[u32],
-        around: &Box3,
-        motion: Option<&Box3>,
-        reach: f64,
-    ) -> bool {
-        let of_samples = |all: &[Vec3]| Box3::around(samples.iter().map(|&v| all[v as usize]));
-        let closing = motion.map_or(0.0, |motion| motion.reach(&of_samples(&self.motion)));
-        let largest = reach + self.share.get() * closing;
-        of_samples(&self.samples).gap_squared(around) < largest * largest
-    }
-
-    /// Whether the balls around the `first` samples and around the others come within `reach`.
-    fn may_meet(&self, samples: &[u32; 4], first: usize, reach: f64) -> bool {
-        let x = samples.map(|v| self.samples[v as usize]);
-        let ball = |x: &[Vec3]| {
-            let centre = x.iter().sum::<Vec3>() / x.len() as f64;
-            let radius = x.iter().map(|x| (x - centre).norm_squared()).fold(0.0, f64::max);
-            (centre, radius.sqrt())
-        };
-        let ((a, r), (b, s)) = (ball(&x[..first]), ball(&x[first..]));
-        (a - b).norm_squared() < (reach + r + s + self.closing(samples, first)).powi(2)
     }
 
     /// By how much at most the `first` samples and the others come closer, mm.
@@ -378,32 +398,16 @@ impl Triangle {
     }
 }
 
-impl Facet {
-    fn kind(&self) -> Kind {
-        Kind::PointFacet { sides: self.sides, tips: self.tips }
-    }
-}
-
-/// Directions within an angle about an axis.
-#[derive(Clone, Copy, Debug)]
-struct Cone {
-    axis: Vec3,
-    angle: f64,
-}
-
-impl Cone {
-    fn join(&self, other: &Self) -> Self {
-        let axis = (self.axis + other.axis).normalize();
-        let angle = |cone: &Self| cone.angle + axis.dot(&cone.axis).clamp(-1.0, 1.0).acos();
-        // Opposite axes have no mean, and no cone that is of use.
-        let angle = angle(self).max(angle(other));
-        Self { axis, angle: if angle.is_nan() { PI } else { angle } }
+impl Ball {
+    fn around(x: &[Vec3]) -> Self {
+        let centre = x.iter().sum::<Vec3>() / x.len() as f64;
+        let squares = x.iter().map(|x| (x - centre).norm_squared());
+        Self { centre, radius: squares.fold(0.0, f64::max).sqrt() }
     }
 
-    /// Whether directions of both may differ by more than is allowed to neighbours.
-    fn faces(&self, other: &Self) -> bool {
-        let left = FACING - self.angle - other.angle;
-        left <= 0.0 || self.axis.dot(&other.axis) < left.cos()
+    fn is_near(&self, other: &Self, reach: f64) -> bool {
+        let largest = reach + self.radius + other.radius;
+        (self.centre - other.centre).norm_squared() < largest * largest
     }
 }
 
@@ -487,6 +491,7 @@ fn triangles(surface: &SampledSurface, edges: &[Edge]) -> Vec<Triangle> {
             facets: [0, 1, 2, 3].map(|k| of_facet(&facets[k])),
             own_points: own_points.collect(),
             own_edges: Vec::new(),
+            first_edge: 0,
         }
     };
     let mut triangles: Vec<Triangle> = surface.facets.chunks_exact(4).map(triangle).collect();
@@ -494,6 +499,11 @@ fn triangles(surface: &SampledSurface, edges: &[Edge]) -> Vec<Triangle> {
         let triangle = &mut triangles[edge.triangle as usize];
         let ends = edge.ends.map(|v| place_of(v, &triangle.samples));
         triangle.own_edges.push(OwnEdge { ends, area: edge.area });
+    }
+    let mut first_edge = 0;
+    for triangle in &mut triangles {
+        triangle.first_edge = first_edge;
+        first_edge += triangle.own_edges.len();
     }
     triangles
 }
