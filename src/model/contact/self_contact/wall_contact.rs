@@ -19,9 +19,9 @@ use crate::model::local::Term;
 use crate::model::tie::{Tied, Ties};
 
 /// How much farther than the barrier's reach pairs are listed, in thicknesses.
-const MARGIN: f64 = 0.5;
+const MARGIN: f64 = 0.3;
 /// How much farther than the barrier's reach the pattern has room, in thicknesses: beyond are neighbours in a flat wall.
-const ROOM_MARGIN: f64 = 0.75;
+const ROOM_MARGIN: f64 = 0.6;
 /// Largest activation, in thicknesses: beyond, neighbours in a flat wall come within reach.
 const LARGEST_ACTIVATION: f64 = 0.25;
 /// Room for more than so many times the listed triangles is too much.

@@ -10,7 +10,7 @@
 //! a step and after it, are not compared: nearly all of them are neighbours at rest. An open sheet may roll up, face on back;
 //! its triangles are all compared.
 
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
 use std::collections::BTreeSet;
 
 use super::distance::Closest;
@@ -39,6 +39,11 @@ impl Search {
     /// For all that is nearer than `reach`, mm.
     pub(super) fn within(reach: f64) -> Self {
         Self { reach, facing: 0.0, has_edges: true }
+    }
+
+    /// For points nearer than `reach` (mm) to facets.
+    fn of_points(reach: f64) -> Self {
+        Self { has_edges: false, ..Self::within(reach) }
     }
 
     /// For touching faces: those that all but oppose each other, and points on facets, which see a face as soon as its edges.
@@ -122,8 +127,8 @@ pub(super) struct Pose {
     normals: [Vec<Box3>; 2],
     /// Around each facet.
     facets: Vec<Ball>,
-    /// Around the edges that each triangle answers for, in the order of the triangles.
-    edges: Vec<Ball>,
+    /// Around the edges that each triangle answers for, in the order of the triangles; once they are wanted.
+    edges: OnceCell<Vec<Ball>>,
 }
 
 /// All points within a radius of a centre, mm.
@@ -172,11 +177,9 @@ impl WallSurface {
         let pose = made.pose(reference, None);
         let reach = REACH_AT_REST * thickness;
         let mut room = std::mem::take(&mut made.room);
-        made.visit_near(&pose, Search::within(reach), &mut |_, couple| {
-            if let Kind::PointFacet { .. } = couple.kind {
-                let room = &mut room[couple.samples[0] as usize];
-                *room = room.min(couple.closest(&pose.samples).distance);
-            }
+        made.visit_near(&pose, Search::of_points(reach), &mut |_, couple| {
+            let room = &mut room[couple.samples[0] as usize];
+            *room = room.min(couple.closest(&pose.samples).distance);
         });
         made.room = room;
         made
@@ -219,11 +222,7 @@ impl WallSurface {
         }
         let facet = |facet: &[u32; 3]| Ball::around(&facet.map(|v| samples[v as usize]));
         let facets = self.surface.facets.iter().map(facet).collect();
-        let edges = self.triangles.iter().flat_map(|triangle| {
-            let end = |end: u8| samples[triangle.samples[end as usize] as usize];
-            triangle.own_edges.iter().map(move |edge| Ball::around(&edge.ends.map(end)))
-        });
-        let (edges, share) = (edges.collect(), Cell::new(1.0));
+        let (share, edges) = (Cell::new(1.0), OnceCell::new());
         Pose { samples, motion, share, boxes, motion_boxes, normals, facets, edges }
     }
 
@@ -309,16 +308,25 @@ impl WallSurface {
         if !search.has_edges {
             return;
         }
-        for (edge, ball) in one.own_edges.iter().zip(&pose.edges[one.first_edge..]) {
-            for (opposite, far_ball) in other.own_edges.iter().zip(&pose.edges[other.first_edge..])
-            {
-                if ball.is_near(far_ball, far) {
+        let balls = pose.edges.get_or_init(|| self.edge_balls(&pose.samples));
+        for (edge, ball) in one.own_edges.iter().zip(&balls[one.first_edge..]) {
+            for (opposite, other_ball) in other.own_edges.iter().zip(&balls[other.first_edge..]) {
+                if ball.is_near(other_ball, far) {
                     let ([i, j], [k, l]) = (edge.ends, opposite.ends.map(|end| 6 + end));
                     let kind = Kind::Edges { areas: [edge.area, opposite.area] };
                     offer([i, j, k, l], kind, 2);
                 }
             }
         }
+    }
+
+    fn edge_balls(&self, x: &[Vec3]) -> Vec<Ball> {
+        let of_triangle = |triangle: &Triangle| {
+            let ends =
+                |edge: &OwnEdge| edge.ends.map(|end| x[triangle.samples[end as usize] as usize]);
+            triangle.own_edges.iter().map(|edge| Ball::around(&ends(edge))).collect::<Vec<_>>()
+        };
+        self.triangles.iter().flat_map(of_triangle).collect()
     }
 
     /// Boxes around the unit normals of the facets.
