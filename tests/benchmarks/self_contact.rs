@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use pneumorph::math::{Vec3, cpu_seconds};
+use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings, Side};
 use pneumorph::model::contact::SelfContactSettings;
 use pneumorph::model::material::{Material, NeoHookean};
@@ -26,6 +26,9 @@ struct Hairpin {
 const ARM: f64 = 6.0;
 const RADIUS: f64 = 1.2;
 const HAIRPIN_THICKNESS: f64 = 0.4;
+const WIDTH: f64 = 2.0;
+/// On the end of the upper arm, N/mm.
+const PRESS: f64 = 4e-4;
 
 fn hairpin(cells: [usize; 2]) -> Hairpin {
     let strip = |s: f64, t: f64| {
@@ -39,9 +42,9 @@ fn hairpin(cells: [usize; 2]) -> Hairpin {
         }
     };
     let range = [0.0, 2.0 * ARM + PI * RADIUS];
-    let patch = Patch::new(cells, range, [0.0, 2.0], HAIRPIN_THICKNESS, &strip).unwrap();
+    let patch = Patch::new(cells, range, [0.0, WIDTH], HAIRPIN_THICKNESS, &strip).unwrap();
     let supports = [EdgeSupport::Clamped, EdgeSupport::Free, EdgeSupport::Free, EdgeSupport::Free];
-    let down = DeadLoad::Edge { side: Side::S1, per_length: Vec3::new(0.0, 0.0, -0.02) };
+    let down = DeadLoad::Edge { side: Side::S1, per_length: Vec3::new(0.0, 0.0, -PRESS) };
     Hairpin { patch, loads: PatchLoads { supports, dead: vec![down], ..Default::default() } }
 }
 
@@ -58,14 +61,14 @@ fn bellows() -> (Patch, PatchLoads) {
         let r = 8.0 + 1.5 * (PI * t / 2.0).cos();
         Vec3::new(r * s.sin(), r * s.cos(), t)
     };
-    let patch = Patch::new([6, 36], [0.0, PI / 2.0], [0.0, 6.0], 0.4, &round).unwrap();
+    let patch = Patch::new([3, 20], [0.0, PI / 2.0], [0.0, 6.0], 0.4, &round).unwrap();
     let supports = [
         EdgeSupport::Symmetry(0),
         EdgeSupport::Symmetry(1),
         EdgeSupport::Symmetry(2),
         EdgeSupport::Held([true, true, false]),
     ];
-    let down = DeadLoad::Edge { side: Side::T1, per_length: Vec3::new(0.0, 0.0, -0.06) };
+    let down = DeadLoad::Edge { side: Side::T1, per_length: Vec3::new(0.0, 0.0, -0.007) };
     (patch, PatchLoads { supports, dead: vec![down], ..Default::default() })
 }
 
@@ -133,13 +136,18 @@ fn deformed(patch: &Patch, model: &ShellModel, u: &[f64]) -> Vec<Vec3> {
     patch.surface.positions.iter().zip(&moved).map(|(x, u)| x + u).collect()
 }
 
-/// Work done is energy stored, step by step, to the tolerance with which paths are walked.
+/// Work done is energy stored, step by step, to the tolerance with which paths are walked; but where the part snapped.
 #[track_caller]
 fn assert_work_is_stored(path: &Path) {
-    for point in &path.points[1..] {
-        let stored = point.stored_energy - path.points[0].stored_energy;
-        assert!((point.work / stored - 1.0).abs() < 1e-3, "{} {stored}", point.work);
+    let mut snaps = 0;
+    for step in path.points.windows(2) {
+        let work = step[1].work - step[0].work;
+        let stored = step[1].stored_energy - step[0].stored_energy;
+        let is_kept = (work - stored).abs() <= 1e-3 * step[1].work;
+        snaps += usize::from(!is_kept);
+        assert!(is_kept || step[1].snap.is_some(), "{work} {stored}");
     }
+    assert!(snaps <= 2, "{snaps}");
 }
 
 /// Both elements: the arms meet, press on each other with more than half of the load, and stay apart by their thickness less
@@ -147,52 +155,35 @@ fn assert_work_is_stored(path: &Path) {
 #[test]
 fn arms_of_a_hairpin_keep_apart() {
     for element in [ShellElement::Loop, ShellElement::MidEdge] {
-        let hairpin = hairpin([32, 3]);
+        let hairpin = hairpin([24, 2]);
         let mut model = hairpin.model(element);
-        model.keep_folds_apart(SelfContactSettings::of_wall(HAIRPIN_THICKNESS, 0.01));
-        let start = cpu_seconds();
+        model.keep_folds_apart(SelfContactSettings::of_wall(HAIRPIN_THICKNESS, 1e-3));
         let path = walked(&mut model, 1.0, &PathSettings::default());
-        println!("{element:?} {:?} {:.3} s", path.ending, cpu_seconds() - start);
-        for point in &path.points {
-            let positions = deformed(&hairpin.patch, &model, &point.x);
-            println!(
-                "{:.3} gap {:.4} force {:.4} distance {:.4} newton {} cuts {}",
-                point.load,
-                model.smallest_wall_gap(&point.x),
-                model.self_contact_force(&point.x),
-                least_distance(&hairpin.patch, &positions, 0, 9),
-                point.newton_iterations,
-                point.cuts
-            );
-        }
-        assert_eq!(path.ending, Ending::Reached);
+        assert!(path.ending.is_complete(), "{:?}", path.ending);
         assert_work_is_stored(&path);
         for point in &path.points {
             let positions = deformed(&hairpin.patch, &model, &point.x);
-            let distance = least_distance(&hairpin.patch, &positions, 0, 9);
+            let distance = least_distance(&hairpin.patch, &positions, 0, 7);
             assert!(distance > 0.99 * HAIRPIN_THICKNESS, "{distance}");
             assert!(model.smallest_wall_gap(&point.x) > 0.0);
             assert_eq!(model.passed_limit(&point.x), None);
         }
         let last = path.points.last().unwrap();
         assert!(model.smallest_wall_gap(&last.x) < 0.2 * HAIRPIN_THICKNESS);
-        assert!(model.self_contact_force(&last.x) > 0.5 * 0.02 * 2.0);
+        assert!(model.self_contact_force(&last.x) > 0.5 * PRESS * WIDTH);
 
-        // The same part without contact.
+        // Without contact the path ends where the arms touch, to a smallest step; unwatched, they pass each other.
         let mut unseen = hairpin.model(element);
         unseen.watch_folds(true);
         let path = walked(&mut unseen, 1.0, &PathSettings::default());
-        let limits: Vec<_> =
-            path.points.iter().map(|point| unseen.passed_limit(&point.x)).collect();
-        assert_eq!(limits[0], None);
-        let touch = limits.iter().flatten().next().unwrap();
-        assert_eq!(touch.kind, LimitKind::SelfTouch);
-        assert!(touch.unknown < unseen.unknowns());
-        for (limit, point) in limits.iter().zip(&path.points) {
-            assert_eq!(limit.is_some(), unseen.smallest_wall_gap(&point.x) < 0.0);
-        }
+        assert_eq!(path.ending, Ending::SelfTouch);
+        assert!(path.place.unwrap() < unseen.unknowns());
+        let gap = unseen.smallest_wall_gap(&path.points.last().unwrap().x);
+        assert!((0.0..0.3 * HAIRPIN_THICKNESS).contains(&gap), "{gap}");
         unseen.watch_folds(false);
-        assert!(path.points.iter().all(|point| unseen.passed_limit(&point.x).is_none()));
+        let path = walked(&mut unseen, 1.0, &PathSettings::default());
+        assert!(path.ending.is_complete());
+        assert!(unseen.smallest_wall_gap(&path.points.last().unwrap().x) < 0.0);
     }
 }
 
@@ -201,27 +192,13 @@ fn folds_of_a_bellows_keep_apart() {
     let (patch, loads) = bellows();
     let mut model = ShellModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
     model.keep_folds_apart(SelfContactSettings::of_wall(0.4, 0.01));
-    let start = cpu_seconds();
-    let path = walked(&mut model, 1.0, &PathSettings::default());
-    println!("{:?} {:.3} s", path.ending, cpu_seconds() - start);
-    for point in &path.points {
-        let positions = deformed(&patch, &model, &point.x);
-        println!(
-            "{:.3} gap {:.4} force {:.4} distance {:.4} newton {} cuts {} end {:.3}",
-            point.load,
-            model.smallest_wall_gap(&point.x),
-            model.self_contact_force(&point.x),
-            least_distance(&patch, &positions, 1, 6),
-            point.newton_iterations,
-            point.cuts,
-            positions.last().unwrap().z
-        );
-    }
-    assert_eq!(path.ending, Ending::Reached);
+    let settings = PathSettings { steps: 8, halvings: 3, ..Default::default() };
+    let path = walked(&mut model, 1.0, &settings);
+    assert!(path.ending.is_complete(), "{:?}", path.ending);
     assert_work_is_stored(&path);
     for point in &path.points {
         let positions = deformed(&patch, &model, &point.x);
-        let distance = least_distance(&patch, &positions, 1, 6);
+        let distance = least_distance(&patch, &positions, 1, 3);
         assert!(distance > 0.99 * 0.4, "{distance}");
     }
     let last = path.points.last().unwrap();
@@ -231,12 +208,12 @@ fn folds_of_a_bellows_keep_apart() {
 /// Folds that stay far apart change nothing, to the bit.
 #[test]
 fn far_folds_change_nothing() {
-    let hairpin = hairpin([20, 2]);
+    let hairpin = hairpin([16, 2]);
     let settings = PathSettings { steps: 3, ..Default::default() };
     let paths = [false, true].map(|is_on| {
         let mut model = hairpin.model(ShellElement::Loop);
         if is_on {
-            model.keep_folds_apart(SelfContactSettings::of_wall(HAIRPIN_THICKNESS, 0.01));
+            model.keep_folds_apart(SelfContactSettings::of_wall(HAIRPIN_THICKNESS, 1e-3));
         }
         let path = walked(&mut model, 0.1, &settings);
         assert!(model.smallest_wall_gap(&path.points.last().unwrap().x) > 0.1);
@@ -266,7 +243,8 @@ fn closed_parts_are_watched() {
     // The poles' faces are 2 share 10 mm - thickness apart, and rounded a little by the limit surface.
     let near = dented(0.1);
     assert_eq!(model.passed_limit(&near), None);
-    assert!((0.2..0.8).contains(&model.smallest_wall_gap(&near)));
+    let gap = model.smallest_wall_gap(&near);
+    assert!((0.2..0.8).contains(&gap), "{gap}");
     let past = dented(0.05);
     let limit = model.passed_limit(&past).unwrap();
     let node = limit.unknown / 3;
@@ -275,15 +253,6 @@ fn closed_parts_are_watched() {
     model.watch_folds(false);
     assert_eq!(model.passed_limit(&past), None);
     model.watch_folds(true);
-    let start = cpu_seconds();
-    for _ in 0..20 {
-        std::hint::black_box(model.passed_limit(&near));
-    }
-    println!(
-        "one look at {} triangles: {:.2e} s",
-        mesh.surface.triangles.len(),
-        (cpu_seconds() - start) / 20.0
-    );
     model.keep_folds_apart(SelfContactSettings::of_wall(mesh.thickness, 0.01));
     assert_eq!(model.passed_limit(&past), None);
     assert!(model.energy(&past).is_err() && model.energy(&near).is_ok());

@@ -280,6 +280,9 @@ fn printed_defaults_are_a_scene() {
     assert_ne!(coarse, scene);
     workshop.write("scene.toml", coarse);
     workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
-    workshop.write("patch.toml", uncommented("[part.patch]"));
+    let patch = uncommented("[part.patch]");
+    workshop.write("patch.toml", patch.clone() + &uncommented("[self_contact]"));
     workshop.succeed(&["simulate", "patch.toml", "--out", "patch"]);
+    let rows = workshop.read("patch/path.csv");
+    assert!(rows.lines().next().is_some_and(|names| names.contains("wall_gap")), "{rows}");
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::SelfContactSettings;
 use super::wall_contact::{Frame, WallContact};
-use super::wall_surface::WallSurface;
+use super::wall_surface::{Search, WallSurface};
 use crate::math::Vec3;
 use crate::model::element::{ElementPoints, SampledSurface};
 
@@ -49,7 +49,9 @@ impl Folds {
         surface: &SampledSurface,
         frame: Frame<'_>,
     ) -> Option<(f64, u32)> {
-        self.smallest_gap_below(NEAR * self.thickness, positions, surface, frame)
+        let near = NEAR * self.thickness;
+        let search = Search::within(self.thickness + near);
+        self.smallest_gap_below(near, search, positions, surface, frame)
     }
 
     /// A node where faces that are no neighbours touch.
@@ -59,12 +61,14 @@ impl Folds {
         surface: &SampledSurface,
         frame: Frame<'_>,
     ) -> Option<u32> {
-        self.smallest_gap_below(0.0, positions, surface, frame).map(|(_, node)| node)
+        let search = Search::for_touch(self.thickness);
+        self.smallest_gap_below(0.0, search, positions, surface, frame).map(|(_, node)| node)
     }
 
     fn smallest_gap_below(
         &self,
         largest: f64,
+        search: Search,
         positions: &[Vec3],
         surface: &SampledSurface,
         frame: Frame<'_>,
@@ -72,7 +76,7 @@ impl Folds {
         let wall = self.surface(surface, frame);
         let pose = wall.pose(positions, None);
         let mut smallest = (largest, None);
-        wall.visit_near(&pose, wall.thickness + largest, &mut |_, couple| {
+        wall.visit_near(&pose, search, &mut |_, couple| {
             let [thickness, _] = wall.thickness_of(&couple);
             let gap = couple.closest(&pose.samples).distance - thickness;
             if gap < smallest.0 {

@@ -10,7 +10,7 @@
 //! vertices and edge midpoints; it keeps its thickness while the wall stretches, so `xi` is constant and the energy has a
 //! potential. See [`pair`] for the barrier, [`wall_surface`] for what is compared, [`step`] for how far one may go.
 //!
-//! A part that is cut by planes of symmetry does not see its images.
+//! A part that is cut by planes of symmetry does not see its images: neither do its folds see the planes.
 //!
 //! Sources: Li et al. (2020), incremental potential contact; Li, Kaufman, Jiang (2021), its thickness and step limit.
 

@@ -11,7 +11,7 @@ use super::distance::Closest;
 use super::pair::{Pair, PairDerivatives, barrier};
 use super::pair_term::PairTerm;
 use super::wall_contact::{Frame, WallContact};
-use super::wall_surface::{Kind, WallSurface};
+use super::wall_surface::{Kind, Search, WallSurface};
 use crate::math::Vec3;
 use crate::model::element::{ElementPoints, SampledSurface};
 use crate::model::term_suite::{Case, term_suite};
@@ -179,13 +179,13 @@ fn pressed_together(wall: &WallSurface, reference: &[Vec3], gap: f64) -> Vec<Vec
     let smallest = |positions: &[Vec3]| {
         let pose = wall.pose(positions, None);
         let mut smallest = f64::INFINITY;
-        wall.visit_near(&pose, 2.0 * wall.thickness, &mut |_, couple| {
+        wall.visit_near(&pose, Search::within(2.0 * wall.thickness), &mut |_, couple| {
             let [thickness, _] = wall.thickness_of(&couple);
             smallest = smallest.min(couple.closest(&pose.samples).distance - thickness);
         });
         smallest
     };
-    let (mut closed, mut open) = (-0.5, 1.0);
+    let (mut closed, mut open) = (0.0, 1.0);
     for _ in 0..40 {
         let middle = f64::midpoint(closed, open);
         if smallest(&pressed(middle)) < gap { closed = middle } else { open = middle }
@@ -196,7 +196,7 @@ fn pressed_together(wall: &WallSurface, reference: &[Vec3], gap: f64) -> Vec<Vec
 }
 
 /// Of the eggs' walls here, mm: barriers then vary over the 0.3 mm that the suite's steps are made for.
-const THICKNESS: f64 = 3.0;
+const THICKNESS: f64 = 2.0;
 
 fn wall_of(shell: &TestShell) -> WallSurface {
     WallSurface::new(&shell.points(), &shell.surface(), &shell.reference, THICKNESS)
@@ -204,8 +204,8 @@ fn wall_of(shell: &TestShell) -> WallSurface {
 
 fn touching(shell: &TestShell) -> Case<PairTerm> {
     let wall = Arc::new(wall_of(shell));
-    let positions = pressed_together(&wall, &shell.reference, 0.35);
-    let settings = SelfContactSettings { activation: 0.75, stiffness: 3.0 };
+    let positions = pressed_together(&wall, &shell.reference, 0.33);
+    let settings = SelfContactSettings { activation: 0.5, stiffness: 3.0 };
     let ties = Ties::default();
     let frame = Frame { ties: &ties, reference: &shell.reference };
     let term = WallContact::new(wall, settings, frame).listed_near(&positions);
@@ -344,22 +344,21 @@ fn longest_step_keeps_all_gaps_open() {
     let gap = |positions: &[Vec3]| {
         let pose = wall.pose(positions, None);
         let mut smallest = f64::INFINITY;
-        wall.visit_near(&pose, wall.thickness, &mut |_, couple| {
+        wall.visit_near(&pose, Search::within(2.0 * wall.thickness), &mut |_, couple| {
             let [thickness, _] = wall.thickness_of(&couple);
-            smallest = smallest.min(couple.closest(&pose.samples).distance - thickness);
+            let gap = couple.closest(&pose.samples).distance - thickness;
+            smallest = smallest.min(gap);
         });
         smallest
     };
     let mut chance = ChaCha8Rng::seed_from_u64(2);
     for (size, may_be_whole) in [(0.02, true), (0.2, false), (4.0, false)] {
         for _ in 0..3 {
-            let dx: Vec<Vec3> = positions
-                .iter()
-                .map(|x| {
-                    Vec3::new(0.0, 0.0, -x.z.signum()) * size
-                        + Vec3::from_fn(|_, _| chance.random_range(-0.3..0.3)) * size
-                })
-                .collect();
+            let mut pushed = |rest: &Vec3| {
+                let chance = Vec3::from_fn(|_, _| chance.random_range(-0.3..0.3));
+                size * (chance - rest.z.signum() * Vec3::z())
+            };
+            let dx: Vec<Vec3> = shell.reference.iter().map(&mut pushed).collect();
             let step = contact.longest_step(&positions, &dx);
             assert!(0.0 < step && (may_be_whole || step < 1.0), "{size}: {step}");
             assert!(!may_be_whole || step == 1.0);

@@ -36,17 +36,20 @@ impl Tree {
         Self { leaves }
     }
 
-    /// The box of every node around the boxes of its leaves.
-    pub(super) fn boxes(&self, of_leaf: &dyn Fn(u32) -> Box3) -> Vec<Box3> {
-        let deepest = self.leaves.len().next_power_of_two();
-        let mut boxes = vec![Box3::around([]); 2 * deepest];
-        if let Some(root) = self.root() {
-            self.fit(root, of_leaf, &mut boxes);
-        }
-        boxes
+    /// What every node holds, joined from what its leaves hold.
+    pub(super) fn fitted<T: Copy>(
+        &self,
+        of_leaf: &dyn Fn(u32) -> T,
+        join: &dyn Fn(&T, &T) -> T,
+    ) -> Vec<T> {
+        let Some(root) = self.root() else { return Vec::new() };
+        let mut all = vec![of_leaf(self.leaves[0]); 2 * self.leaves.len().next_power_of_two()];
+        self.fit(root, of_leaf, join, &mut all);
+        all
     }
 
-    /// Calls `visit` with every two leaves, the smaller first, all of whose nodes `near` holds for.
+    /// Calls `visit` with every two leaves, the smaller first, for all of whose nodes `near` holds; also of a node and
+    /// itself, for pairs of leaves within it.
     pub(super) fn pairs(
         &self,
         near: &dyn Fn(usize, usize) -> bool,
@@ -62,14 +65,19 @@ impl Tree {
         (end > 0).then_some(Node { index: 0, first: 0, end })
     }
 
-    fn fit(&self, node: Node, of_leaf: &dyn Fn(u32) -> Box3, boxes: &mut [Box3]) {
-        boxes[node.index] = match node.children() {
+    fn fit<T: Copy>(
+        &self,
+        node: Node,
+        of_leaf: &dyn Fn(u32) -> T,
+        join: &dyn Fn(&T, &T) -> T,
+        all: &mut [T],
+    ) {
+        all[node.index] = match node.children() {
             None => of_leaf(self.leaves[node.first]),
             Some([left, right]) => {
-                self.fit(left, of_leaf, boxes);
-                self.fit(right, of_leaf, boxes);
-                let (left, right) = (boxes[left.index], boxes[right.index]);
-                Box3 { low: left.low.inf(&right.low), high: left.high.sup(&right.high) }
+                self.fit(left, of_leaf, join, all);
+                self.fit(right, of_leaf, join, all);
+                join(&all[left.index], &all[right.index])
             }
         };
     }
@@ -80,7 +88,9 @@ impl Tree {
         near: &dyn Fn(usize, usize) -> bool,
         visit: &mut dyn FnMut(u32, u32),
     ) {
-        if let Some([left, right]) = node.children() {
+        if let Some([left, right]) = node.children()
+            && near(node.index, node.index)
+        {
             self.pairs_within(left, near, visit);
             self.pairs_within(right, near, visit);
             self.pairs_between(left, right, near, visit);
@@ -131,10 +141,25 @@ impl Box3 {
         points.into_iter().fold(empty, add)
     }
 
+    /// Around two boxes.
+    pub(super) fn join(&self, other: &Self) -> Self {
+        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
+    }
+
     /// The square of the distance between two boxes, mm^2.
     pub(super) fn gap_squared(&self, other: &Self) -> f64 {
         let apart = (other.low - self.high).sup(&(self.low - other.high));
-        apart.iter().map(|apart| apart.max(0.0).powi(2)).sum()
+        apart.iter().map(|apart| apart.max(0.0) * apart.max(0.0)).sum()
+    }
+
+    /// The least product of a vector to one box and a vector to the other.
+    pub(super) fn least_dot(&self, other: &Self) -> f64 {
+        let least = |axis: usize| {
+            let ends = |at: &Self| [at.low[axis], at.high[axis]];
+            let [[a, b], [c, d]] = [ends(self), ends(other)];
+            (a * c).min(a * d).min(b * c).min(b * d)
+        };
+        least(0) + least(1) + least(2)
     }
 
     /// The largest distance between a point of one box and a point of another, mm.
@@ -179,7 +204,7 @@ mod tests {
                 .map(|_| point())
                 .map(|x| Box3::around([x, x + Vec3::new(0.5, 1.0, 0.1)]))
                 .collect();
-            let fitted = tree.boxes(&|leaf| boxes[leaf as usize]);
+            let fitted = tree.fitted(&|leaf| boxes[leaf as usize], &Box3::join);
             let near = |a: &Box3, b: &Box3| a.gap_squared(b) < 1.0;
             let mut found = Vec::new();
             tree.pairs(&|a, b| near(&fitted[a], &fitted[b]), &mut |a, b| found.push([a, b]));
@@ -198,5 +223,7 @@ mod tests {
         assert_eq!(boxes[0].gap_squared(&boxes[1]), 12.0);
         assert_eq!(boxes[0].gap_squared(&boxes[0]), 0.0);
         assert!((boxes[0].reach(&boxes[1]) - 75.0_f64.sqrt()).abs() < 1e-14);
+        let either = Box3::around([Vec3::new(-1.0, 2.0, 0.0), Vec3::new(3.0, 4.0, 0.5)]);
+        assert_eq!(either.least_dot(&boxes[1]), -5.0 + 6.0);
     }
 }

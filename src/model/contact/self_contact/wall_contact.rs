@@ -13,13 +13,15 @@ use super::SelfContactSettings;
 use super::pair::Pair;
 use super::pair_term::PairTerm;
 use super::step::longest_step;
-use super::wall_surface::{Couple, WallSurface};
+use super::wall_surface::{Couple, Search, WallSurface};
 use crate::math::Vec3;
 use crate::model::local::Term;
 use crate::model::tie::{Tied, Ties};
 
 /// How much farther than the barrier's reach pairs are listed, in thicknesses.
-const MARGIN: f64 = 0.25;
+const MARGIN: f64 = 0.3;
+/// How much farther than the barrier's reach the pattern has room, in thicknesses: beyond are neighbours in a flat wall.
+const ROOM_MARGIN: f64 = 0.6;
 /// Largest activation, in thicknesses: beyond, neighbours in a flat wall come within reach.
 const LARGEST_ACTIVATION: f64 = 0.25;
 /// Room for more than so many times the listed triangles is too much.
@@ -92,8 +94,9 @@ impl WallContact {
         }
         let mut room = if is_too_much { Vec::new() } else { std::mem::take(&mut self.room) };
         let pose = self.surface.pose(&self.listed_at, None);
-        let far = self.reach() + 2.0 * MARGIN * self.surface.thickness;
-        self.surface.visit_near(&pose, far, &mut |triangles, _| room.push(triangles));
+        let far = self.reach() + ROOM_MARGIN * self.surface.thickness;
+        self.surface
+            .visit_near(&pose, Search::within(far), &mut |triangles, _| room.push(triangles));
         room.sort_unstable();
         room.dedup();
         let pairs = room.iter().map(|&triangles| (triangles, Vec::new())).collect();
@@ -120,12 +123,14 @@ impl WallContact {
             return longest;
         }
         let pose = self.surface.pose(positions, Some(dx));
-        self.surface.visit_near(&pose, self.surface.thickness, &mut |_, couple: Couple| {
+        let search = Search::within(self.surface.thickness);
+        self.surface.visit_near(&pose, search, &mut |_, couple: Couple| {
             let [x, dx] =
                 [&pose.samples, &pose.motion].map(|all| couple.samples.map(|v| all[v as usize]));
             let [thickness, _] = self.surface.thickness_of(&couple);
             let closest = |x: &[Vec3; 4]| couple.kind.closest(x);
             longest = longest_step(&x, &dx, couple.kind.first(), thickness, closest, longest);
+            pose.share.set(longest);
         });
         longest
     }
@@ -168,7 +173,7 @@ impl WallContact {
         let pose = self.surface.pose(positions, None);
         let mut pairs: BTreeMap<[u32; 2], Vec<Pair>> = BTreeMap::new();
         let far = self.reach() + MARGIN * self.surface.thickness;
-        self.surface.visit_near(&pose, far, &mut |triangles, couple| {
+        self.surface.visit_near(&pose, Search::within(far), &mut |triangles, couple| {
             let pair = Pair::new(&couple, &self.surface, activation, stiffness);
             pairs.entry(triangles).or_default().push(pair);
         });

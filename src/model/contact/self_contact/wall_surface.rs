@@ -2,15 +2,16 @@
 //! the wall counts, and the search for what is near.
 //!
 //! # Decisions
-//! Points less than two thicknesses apart along the edges at rest never touch: a wall cannot fold more tightly, and what is
-//! side by side is always near. A triangle never touches itself.
+//! Points that are less than two thicknesses apart at rest, and less than three along the edges, never touch: a wall cannot
+//! fold more tightly, and what is side by side is always near. A triangle never touches itself.
 //!
 //! Where two parts of the wall touch, their normals oppose each other if the surface is closed: an outer face meets outer
-//! faces, an inner face inner ones. So triangles of a closed surface whose normals agree to within 60 degrees, before a
-//! step and after it, are not compared: nearly all of them are neighbours at rest. An open sheet may roll up, face on back;
+//! faces, an inner face inner ones. So triangles of a closed surface whose normals differ by less than a right angle, before
+//! a step and after it, are not compared: nearly all of them are neighbours at rest. An open sheet may roll up, face on back;
 //! its triangles are all compared.
 
-use std::collections::BTreeMap;
+use std::cell::{Cell, OnceCell};
+use std::collections::BTreeSet;
 
 use super::distance::Closest;
 use super::near_at_rest::Neighbours;
@@ -18,14 +19,38 @@ use super::tree::{Box3, Tree};
 use crate::math::Vec3;
 use crate::model::element::{ElementPoints, SampledSurface};
 
-/// Ways along the surface below which parts never touch, in thicknesses.
-const NEIGHBOURHOOD: f64 = 2.0;
+/// Distances at rest below which parts never touch, straight and along the surface, in thicknesses.
+const NEIGHBOURHOOD: [f64; 2] = [2.0, 3.0];
 /// Share of its distance at rest that the wall may count as thick.
 const REST_SHARE: f64 = 0.9;
 /// How far a point's surroundings at rest matter, in thicknesses.
 const REACH_AT_REST: f64 = 1.5;
-/// Cosine of the angle between normals below which triangles of a closed surface are compared.
-const FACING: f64 = 0.5;
+/// What is searched for.
+#[derive(Clone, Copy)]
+pub(super) struct Search {
+    /// How near parts are, mm.
+    pub(super) reach: f64,
+    /// Cosine of the angle between normals beyond which triangles of a closed surface are compared.
+    facing: f64,
+    has_edges: bool,
+}
+
+impl Search {
+    /// For all that is nearer than `reach`, mm.
+    pub(super) fn within(reach: f64) -> Self {
+        Self { reach, facing: 0.0, has_edges: true }
+    }
+
+    /// For points nearer than `reach` (mm) to facets.
+    fn of_points(reach: f64) -> Self {
+        Self { has_edges: false, ..Self::within(reach) }
+    }
+
+    /// For touching faces: those that all but oppose each other, and points on facets, which see a face as soon as its edges.
+    pub(super) fn for_touch(reach: f64) -> Self {
+        Self { reach, facing: -0.5, has_edges: false }
+    }
+}
 
 /// What is known of a wall before it moves.
 #[derive(Clone, Debug)]
@@ -53,6 +78,8 @@ struct Triangle {
     facets: [Facet; 4],
     own_points: Vec<u8>,
     own_edges: Vec<OwnEdge>,
+    /// Edges that triangles before it answer for.
+    first_edge: usize,
 }
 
 /// A facet among a triangle's six points, and what its sides and corners count (see [`super::pair`]).
@@ -91,10 +118,24 @@ pub(super) struct Pose {
     pub(super) samples: Vec<Vec3>,
     /// Where they go; empty at a standstill.
     pub(super) motion: Vec<Vec3>,
+    /// The share of their motion that matters; it may shrink during a search.
+    pub(super) share: Cell<f64>,
+    /// Around the nodes of the tree.
     boxes: Vec<Box3>,
     motion_boxes: Vec<Box3>,
-    /// Of each triangle, before and after; none where they do not matter.
-    normals: [Vec<Vec3>; 2],
+    /// Around their normals, before and after; none where normals do not matter.
+    normals: [Vec<Box3>; 2],
+    /// Around each facet.
+    facets: Vec<Ball>,
+    /// Around the edges that each triangle answers for, in the order of the triangles; once they are wanted.
+    edges: OnceCell<Vec<Ball>>,
+}
+
+/// All points within a radius of a centre, mm.
+#[derive(Clone, Copy)]
+struct Ball {
+    centre: Vec3,
+    radius: f64,
 }
 
 impl WallSurface {
@@ -106,7 +147,9 @@ impl WallSurface {
         thickness: f64,
     ) -> Self {
         let rest = surface.at(reference);
-        let (triangles, edges, is_closed) = triangles(surface, &rest);
+        let edges = edges(surface, &rest);
+        let triangles = triangles(surface, &edges);
+        let is_closed = edges.iter().all(|edge| !edge.is_rim);
         let mut areas = vec![0.0; rest.len()];
         for facet in &surface.facets {
             for v in facet {
@@ -117,7 +160,8 @@ impl WallSurface {
             triangle.samples.iter().map(|&v| rest[v as usize]).sum::<Vec3>() / 6.0
         };
         let tree = Tree::new(&triangles.iter().map(centre).collect::<Vec<_>>());
-        let neighbours = Neighbours::new(&rest, &edges, NEIGHBOURHOOD * thickness);
+        let [straight, along] = NEIGHBOURHOOD.map(|distance| distance * thickness);
+        let neighbours = Neighbours::new(&rest, edges.iter().map(|it| it.ends), straight, along);
         let mut made = Self {
             points: points.to_vec(),
             surface: surface.clone(),
@@ -133,11 +177,9 @@ impl WallSurface {
         let pose = made.pose(reference, None);
         let reach = REACH_AT_REST * thickness;
         let mut room = std::mem::take(&mut made.room);
-        made.visit_near(&pose, reach, &mut |_, couple| {
-            if let Kind::PointFacet { .. } = couple.kind {
-                let room = &mut room[couple.samples[0] as usize];
-                *room = room.min(couple.closest(&pose.samples).distance);
-            }
+        made.visit_near(&pose, Search::of_points(reach), &mut |_, couple| {
+            let room = &mut room[couple.samples[0] as usize];
+            *room = room.min(couple.closest(&pose.samples).distance);
         });
         made.room = room;
         made
@@ -163,47 +205,37 @@ impl WallSurface {
     pub(super) fn pose(&self, positions: &[Vec3], dx: Option<&[Vec3]>) -> Pose {
         let samples = self.surface.at(positions);
         let motion = dx.map(|dx| self.surface.at(dx)).unwrap_or_default();
-        let box_around = |x: &[Vec3], triangle: u32| {
-            Box3::around(self.triangles[triangle as usize].samples.map(|v| x[v as usize]))
+        let boxes_around = |x: &[Vec3]| {
+            let of_triangle = |t: u32| self.triangles[t as usize].box_around(x);
+            self.tree.fitted(&of_triangle, &Box3::join)
         };
-        let boxes = self.tree.boxes(&|triangle| box_around(&samples, triangle));
-        let moves = !motion.is_empty();
-        let motion_boxes = if moves {
-            self.tree.boxes(&|triangle| box_around(&motion, triangle))
-        } else {
-            Vec::new()
-        };
-        let normals = if self.is_closed {
-            let after = moves.then(|| {
+        let boxes = boxes_around(&samples);
+        let is_moved = !motion.is_empty();
+        let motion_boxes = if is_moved { boxes_around(&motion) } else { Vec::new() };
+        let mut normals = <[Vec<Box3>; 2]>::default();
+        if self.is_closed {
+            normals[0] = self.normals(&samples);
+            if is_moved {
                 let there: Vec<Vec3> = samples.iter().zip(&motion).map(|(x, dx)| x + dx).collect();
-                self.normals(&there)
-            });
-            [self.normals(&samples), after.unwrap_or_default()]
-        } else {
-            Default::default()
-        };
-        Pose { samples, motion, boxes, motion_boxes, normals }
+                normals[1] = self.normals(&there);
+            }
+        }
+        let facet = |facet: &[u32; 3]| Ball::around(&facet.map(|v| samples[v as usize]));
+        let facets = self.surface.facets.iter().map(facet).collect();
+        let (share, edges) = (Cell::new(1.0), OnceCell::new());
+        Pose { samples, motion, share, boxes, motion_boxes, normals, facets, edges }
     }
 
-    /// Calls `visit` with the two triangles of each couple that comes within `reach` (mm) of each other in `pose`, and the
-    /// couple; the order is always the same.
+    /// Calls `visit` with the two triangles of each couple that `search` is for in `pose`, and the couple; the order is
+    /// always the same.
     pub(super) fn visit_near(
         &self,
         pose: &Pose,
-        reach: f64,
+        search: Search,
         visit: &mut dyn FnMut([u32; 2], Couple),
     ) {
-        let Pose { boxes, motion_boxes, .. } = pose;
-        let near = |a: usize, b: usize| {
-            let closing =
-                if motion_boxes.is_empty() { 0.0 } else { motion_boxes[a].reach(&motion_boxes[b]) };
-            boxes[a].gap_squared(&boxes[b]) < (reach + closing).powi(2)
-        };
-        self.tree.pairs(&near, &mut |a, b| {
-            if pose.faces([a, b]) {
-                self.visit_couples([a, b], pose, reach, visit);
-            }
-        });
+        let near = |a: usize, b: usize| pose.nodes_may_meet(a, b, search);
+        self.tree.pairs(&near, &mut |a, b| self.visit_couples([a, b], pose, search, visit));
     }
 
     /// How thick the wall counts at a sample, mm.
@@ -235,10 +267,17 @@ impl WallSurface {
         &self,
         [a, b]: [u32; 2],
         pose: &Pose,
-        reach: f64,
+        search: Search,
         visit: &mut dyn FnMut([u32; 2], Couple),
     ) {
         let [one, other] = [a, b].map(|t| &self.triangles[t as usize]);
+        let closing = if pose.is_moving() {
+            let [one, other] = [one, other].map(|triangle| triangle.box_around(&pose.motion));
+            pose.share.get() * one.reach(&other)
+        } else {
+            0.0
+        };
+        let far = search.reach + closing;
         let sample = |point: u8| {
             let owner = if point < 6 { one } else { other };
             owner.samples[point as usize % 6]
@@ -246,39 +285,63 @@ impl WallSurface {
         let mut offer = |points: [u8; 4], kind: Kind, first: usize| {
             let samples = points.map(sample);
             let couple = Couple { points, samples, kind };
-            if pose.may_meet(&samples, first, reach)
-                && !self.neighbours.join(&samples[..first], &samples[first..])
-                && couple.closest(&pose.samples).distance < reach + pose.closing(&samples, first)
+            if !self.neighbours.join(&samples[..first], &samples[first..])
+                && couple.closest(&pose.samples).distance
+                    < search.reach + pose.closing(&samples, first)
             {
                 visit([a, b], couple);
             }
         };
-        for (owner, facets, [at, over]) in [(one, other, [0, 6]), (other, one, [6, 0])] {
+        for (owner, at, facets, over, t) in [(one, 0, other, 6, b), (other, 6, one, 0, a)] {
             for &point in &owner.own_points {
-                for &Facet { corners: [i, j, k], sides, tips } in &facets.facets {
-                    let points = [at + point, over + i, over + j, over + k];
-                    offer(points, Kind::PointFacet { sides, tips }, 1);
+                let point = at + point;
+                let ball = Ball { centre: pose.samples[sample(point) as usize], radius: 0.0 };
+                for (k, facet) in facets.facets.iter().enumerate() {
+                    if ball.is_near(&pose.facets[4 * t as usize + k], far) {
+                        let [i, j, k] = facet.corners.map(|corner| over + corner);
+                        let kind = Kind::PointFacet { sides: facet.sides, tips: facet.tips };
+                        offer([point, i, j, k], kind, 1);
+                    }
                 }
             }
         }
-        for edge in &one.own_edges {
-            for opposite in &other.own_edges {
-                let ([i, j], [k, l]) = (edge.ends, opposite.ends);
-                let kind = Kind::Edges { areas: [edge.area, opposite.area] };
-                offer([i, j, 6 + k, 6 + l], kind, 2);
+        if !search.has_edges {
+            return;
+        }
+        let balls = pose.edges.get_or_init(|| self.edge_balls(&pose.samples));
+        for (edge, ball) in one.own_edges.iter().zip(&balls[one.first_edge..]) {
+            for (opposite, other_ball) in other.own_edges.iter().zip(&balls[other.first_edge..]) {
+                if ball.is_near(other_ball, far) {
+                    let ([i, j], [k, l]) = (edge.ends, opposite.ends.map(|end| 6 + end));
+                    let kind = Kind::Edges { areas: [edge.area, opposite.area] };
+                    offer([i, j, k, l], kind, 2);
+                }
             }
         }
     }
 
-    /// Unit normals of the triangles; zero where a facet is turned away from it, which then faces everything.
-    fn normals(&self, x: &[Vec3]) -> Vec<Vec3> {
-        let normal = |facets: &[[u32; 3]]| {
-            let normals = facets.iter().map(|facet| area_vector(x, *facet));
-            let mean = normals.clone().sum::<Vec3>().normalize();
-            let is_flat = normals.clone().all(|normal| normal.dot(&mean) > 0.8 * normal.norm());
-            if is_flat { mean } else { Vec3::zeros() }
+    fn edge_balls(&self, x: &[Vec3]) -> Vec<Ball> {
+        let of_triangle = |triangle: &Triangle| {
+            let ends =
+                |edge: &OwnEdge| edge.ends.map(|end| x[triangle.samples[end as usize] as usize]);
+            triangle.own_edges.iter().map(|edge| Ball::around(&ends(edge))).collect::<Vec<_>>()
         };
-        self.surface.facets.chunks_exact(4).map(normal).collect()
+        self.triangles.iter().flat_map(of_triangle).collect()
+    }
+
+    /// Boxes around the unit normals of the facets.
+    fn normals(&self, x: &[Vec3]) -> Vec<Box3> {
+        let of_triangle = |triangle: u32| {
+            let first = 4 * triangle as usize;
+            let facets = &self.surface.facets[first..first + 4];
+            // Where a facet has no area anything may be its normal.
+            Box3::around(facets.iter().map(|&facet| {
+                let vector = area_vector(x, facet);
+                let length = vector.norm();
+                if length > 0.0 { vector / length } else { Vec3::zeros() }
+            }))
+        };
+        self.tree.fitted(&of_triangle, &Box3::join)
     }
 }
 
@@ -308,32 +371,51 @@ impl Kind {
 }
 
 impl Pose {
-    fn faces(&self, [a, b]: [u32; 2]) -> bool {
+    /// Whether triangles of two nodes of the tree may face each other and come within reach.
+    fn nodes_may_meet(&self, a: usize, b: usize, search: Search) -> bool {
+        let closing = if self.is_moving() {
+            self.share.get() * self.motion_boxes[a].reach(&self.motion_boxes[b])
+        } else {
+            0.0
+        };
+        let largest = search.reach + closing;
         let [before, after] = &self.normals;
-        let opposed = |normals: &[Vec3]| {
-            normals.is_empty() || normals[a as usize].dot(&normals[b as usize]) < FACING
+        let faces = |normals: &[Box3]| {
+            !normals.is_empty() && normals[a].least_dot(&normals[b]) < search.facing
         };
-        opposed(before) || (!after.is_empty() && opposed(after))
+        self.boxes[a].gap_squared(&self.boxes[b]) < largest * largest
+            && (before.is_empty() || faces(before) || faces(after))
     }
 
-    /// Whether the balls around the `first` samples and around the others come within `reach`.
-    fn may_meet(&self, samples: &[u32; 4], first: usize, reach: f64) -> bool {
-        let x = samples.map(|v| self.samples[v as usize]);
-        let ball = |x: &[Vec3]| {
-            let centre = x.iter().sum::<Vec3>() / x.len() as f64;
-            let radius = x.iter().map(|x| (x - centre).norm_squared()).fold(0.0, f64::max);
-            (centre, radius.sqrt())
-        };
-        let ((a, r), (b, s)) = (ball(&x[..first]), ball(&x[first..]));
-        (a - b).norm_squared() < (reach + r + s + self.closing(samples, first)).powi(2)
+    fn is_moving(&self) -> bool {
+        !self.motion.is_empty()
     }
 
-    /// By how much the `first` samples and the others come closer at most, mm.
+    /// By how much at most the `first` samples and the others come closer, mm.
     pub(super) fn closing(&self, samples: &[u32; 4], first: usize) -> f64 {
-        if self.motion.is_empty() {
+        if !self.is_moving() {
             return 0.0;
         }
-        closing_speed(&samples.map(|v| self.motion[v as usize]), first)
+        self.share.get() * closing_speed(&samples.map(|v| self.motion[v as usize]), first)
+    }
+}
+
+impl Triangle {
+    fn box_around(&self, x: &[Vec3]) -> Box3 {
+        Box3::around(self.samples.map(|v| x[v as usize]))
+    }
+}
+
+impl Ball {
+    fn around(x: &[Vec3]) -> Self {
+        let centre = x.iter().sum::<Vec3>() / x.len() as f64;
+        let squares = x.iter().map(|x| (x - centre).norm_squared());
+        Self { centre, radius: squares.fold(0.0, f64::max).sqrt() }
+    }
+
+    fn is_near(&self, other: &Self, reach: f64) -> bool {
+        let largest = reach + self.radius + other.radius;
+        (self.centre - other.centre).norm_squared() < largest * largest
     }
 }
 
@@ -354,56 +436,87 @@ fn area(x: &[Vec3], facet: [u32; 3]) -> f64 {
     area_vector(x, facet).norm()
 }
 
-/// The triangles of a surface, its edges, and whether it is closed.
-fn triangles(surface: &SampledSurface, rest: &[Vec3]) -> (Vec<Triangle>, Vec<[u32; 2]>, bool) {
-    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
-    // Facets at each edge, with their area; facets and open edges at each sample.
-    let mut edges: BTreeMap<[u32; 2], (u32, f64)> = BTreeMap::new();
-    let mut around = vec![0_u32; rest.len()];
-    for facet in &surface.facets {
-        for side in sides(*facet) {
-            let (facets, share) = edges.entry(side).or_default();
-            *facets += 1;
-            *share += area(rest, *facet) / 3.0;
-        }
-        facet.iter().for_each(|&v| around[v as usize] += 1);
-    }
-    let mut at_rim = vec![false; rest.len()];
-    let rim = edges.iter().filter(|(_, (facets, _))| *facets == 1);
-    rim.flat_map(|(ends, _)| ends).for_each(|&v| at_rim[v as usize] = true);
-    let is_closed = !at_rim.contains(&true);
+/// An edge between two samples.
+#[derive(Clone, Copy)]
+struct Edge {
+    ends: [u32; 2],
+    /// Of its first triangle.
+    triangle: u32,
+    is_rim: bool,
+    /// Share of the reference area, mm^2.
+    area: f64,
+}
 
-    let mut point_is_free = vec![true; rest.len()];
-    let mut free_edges = edges.clone();
+/// The edges of a surface.
+fn edges(surface: &SampledSurface, rest: &[Vec3]) -> Vec<Edge> {
+    let sides = surface.facets.iter().zip(0_u32..).flat_map(|(&[a, b, c], facet)| {
+        [[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], facet))
+    });
+    let mut sides: Vec<([u32; 2], u32)> = sides.collect();
+    sides.sort_unstable();
+    let edge = |at: &[([u32; 2], u32)]| Edge {
+        ends: at[0].0,
+        triangle: at[0].1 / 4,
+        is_rim: at.len() == 1,
+        area: at.iter().map(|&(_, facet)| area(rest, surface.facets[facet as usize]) / 3.0).sum(),
+    };
+    sides.chunk_by(|one, next| one.0 == next.0).map(edge).collect()
+}
+
+/// The triangles of a surface with these `edges`.
+fn triangles(surface: &SampledSurface, edges: &[Edge]) -> Vec<Triangle> {
+    let mut around = vec![0_u32; surface.samples.len()];
+    surface.facets.iter().flatten().for_each(|&v| around[v as usize] += 1);
+    let mut at_rim = vec![false; surface.samples.len()];
+    let rim: BTreeSet<[u32; 2]> = edges.iter().filter(|it| it.is_rim).map(|it| it.ends).collect();
+    rim.iter().flatten().for_each(|&v| at_rim[v as usize] = true);
+    let mut is_owned = vec![false; surface.samples.len()];
     let triangle = |facets: &[[u32; 3]]| {
         // The corners' facets come first, then the one of the edge midpoints.
         let [a, b, c] = [facets[0][0], facets[1][0], facets[2][0]];
         let [d, e, f] = facets[3];
         let samples = [a, b, c, d, e, f];
-        let local = |v: u32| samples.iter().position(|&w| w == v).map_or(0, |place| place as u8);
-        let own_points = (0..6).filter(|&point| {
-            std::mem::replace(&mut point_is_free[samples[point as usize] as usize], false)
-        });
-        let own_points = own_points.collect();
-        let mut own_edges = Vec::new();
-        let of_facet = |facet: &[u32; 3]| {
-            for side in sides(*facet) {
-                if let Some((_, area)) = free_edges.remove(&side) {
-                    own_edges.push(OwnEdge { ends: side.map(local), area });
-                }
-            }
+        let of_facet = |&corners: &[u32; 3]| {
+            let [a, b, c] = corners;
+            let side = |[a, b]: [u32; 2]| {
+                if rim.contains(&[a.min(b), a.max(b)]) { 0.0 } else { -0.5 }
+            };
+            let tip = |v: u32| {
+                if at_rim[v as usize] { 0.0 } else { 1.0 / f64::from(around[v as usize]) }
+            };
             Facet {
-                corners: facet.map(local),
-                sides: sides(*facet).map(|side| if edges[&side].0 == 1 { 0.0 } else { -0.5 }),
-                tips: facet.map(|v| {
-                    if at_rim[v as usize] { 0.0 } else { 1.0 / f64::from(around[v as usize]) }
-                }),
+                corners: corners.map(|v| place_of(v, &samples)),
+                sides: [[a, b], [b, c], [c, a]].map(side),
+                tips: corners.map(tip),
             }
         };
-        let mut of_facet = of_facet;
-        let facets = [0, 1, 2, 3].map(|k| of_facet(&facets[k]));
-        Triangle { samples, facets, own_points, own_edges }
+        let own_points = (0..6).filter(|&point| {
+            let sample = samples[point as usize] as usize;
+            !std::mem::replace(&mut is_owned[sample], true)
+        });
+        Triangle {
+            samples,
+            facets: [0, 1, 2, 3].map(|k| of_facet(&facets[k])),
+            own_points: own_points.collect(),
+            own_edges: Vec::new(),
+            first_edge: 0,
+        }
     };
-    let triangles = surface.facets.chunks_exact(4).map(triangle).collect();
-    (triangles, edges.into_keys().collect(), is_closed)
+    let mut triangles: Vec<Triangle> = surface.facets.chunks_exact(4).map(triangle).collect();
+    for edge in edges {
+        let triangle = &mut triangles[edge.triangle as usize];
+        let ends = edge.ends.map(|v| place_of(v, &triangle.samples));
+        triangle.own_edges.push(OwnEdge { ends, area: edge.area });
+    }
+    let mut first_edge = 0;
+    for triangle in &mut triangles {
+        triangle.first_edge = first_edge;
+        first_edge += triangle.own_edges.len();
+    }
+    triangles
+}
+
+fn place_of(sample: u32, samples: &[u32; 6]) -> u8 {
+    let place = samples.iter().position(|&other| other == sample);
+    place.expect("a facet's corners are its triangle's points") as u8
 }
