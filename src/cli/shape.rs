@@ -40,8 +40,9 @@ impl Shape {
     /// When the surface or what holds it does not make a shell.
     pub(super) fn new(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
         let mut shape = Self::unfolded(scene, source)?;
-        if let Some(settings) = scene.self_contact()? {
-            shape.model.keep_folds_apart(settings);
+        match scene.self_contact()? {
+            Some(settings) => shape.model.keep_folds_apart(settings),
+            None => shape.model.watch_folds(true),
         }
         Ok(shape)
     }

@@ -130,7 +130,7 @@ impl Walk<'_> {
         let newton = NewtonSettings {
             tolerance: LOOSE * self.settings.newton.tolerance,
             max_iterations: FEW_ITERATIONS,
-            most_shifted: 0,
+            most_shifted: FEW_SHIFTED,
         };
         let mut damped = Damped { anchor: state.x.clone(), damping, system: &mut *self.system };
         let mut walk =
@@ -230,6 +230,8 @@ const MOST_STEPS: usize = 100;
 /// A step of the motion need not be solved as well as an equilibrium.
 const LOOSE: f64 = 1e3;
 const FEW_ITERATIONS: usize = 12;
+/// Barriers that fold about each other are indefinite on the way, however strong the damping.
+const FEW_SHIFTED: usize = 3;
 /// More would be a part that chatters.
 const MOST_SNAPS: usize = 20;
 /// Half the first shift of a saddle's tangent, as a share of its mean diagonal, and how often it is doubled.
