@@ -23,20 +23,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
     println!("{} triangles", mesh.surface.triangles.len());
     println!("folds        iterations   path  first look  a look");
+    // One thread, so that its clock sees everything.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(|| measure(&mesh, &material)).map_err(Into::into)
+}
+
+fn measure(mesh: &ShellMesh, material: &Material) -> Result<(), String> {
     for name in ["not seen", "watched", "kept apart"] {
-        let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &[])
+        let mut model = ShellModel::new(mesh, material, &Support::Clamp, &[])
             .map_err(|error| error.to_string())?;
         model.watch_folds(name == "watched");
         if name == "kept apart" {
             model.keep_folds_apart(SelfContactSettings::of_wall(mesh.thickness, PRESSURE));
         }
-        let mut solver = NativeSolver::new(model.pattern())?;
+        let mut solver =
+            NativeSolver::new(model.pattern()).map_err(|failure| failure.to_string())?;
         let settings = PathSettings::default();
-        // One thread, so that its clock sees everything.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let start = cpu_seconds();
-        let path =
-            pool.install(|| follow(&mut model, &mut solver, PRESSURE, Vec::new(), &settings))?;
+        let path = follow(&mut model, &mut solver, PRESSURE, Vec::new(), &settings)
+            .map_err(|failure| failure.to_string())?;
         let walked = cpu_seconds();
         let iterations: usize = path.points.iter().map(|point| point.newton_iterations).sum();
         let first = model.passed_limit(&path.points[0].x);

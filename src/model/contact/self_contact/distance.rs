@@ -47,8 +47,7 @@ impl Closest {
         inside.beta = [[0.0; 2], [1.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let over_facet = inside.solve_two(x);
         over_facet.filter(|it| it.weights[1..].iter().all(|w| *w <= 0.0)).unwrap_or_else(|| {
-            let sides = [[1, 2], [2, 3], [3, 1]];
-            nearest(sides.map(|ends| Self::of_point_and_edge(x, 0, ends, 1.0)))
+            Self::nearest(x, [[1, 2], [2, 3], [3, 1]].map(|ends| (0, ends, 1.0)))
         })
     }
 
@@ -61,13 +60,17 @@ impl Closest {
             a >= 0.0 && b >= 0.0 && c <= 0.0 && d <= 0.0
         });
         crossing.unwrap_or_else(|| {
-            nearest([
-                Self::of_point_and_edge(x, 0, [2, 3], 1.0),
-                Self::of_point_and_edge(x, 1, [2, 3], 1.0),
-                Self::of_point_and_edge(x, 2, [0, 1], -1.0),
-                Self::of_point_and_edge(x, 3, [0, 1], -1.0),
-            ])
+            let ends = [(0, [2, 3], 1.0), (1, [2, 3], 1.0), (2, [0, 1], -1.0), (3, [0, 1], -1.0)];
+            Self::nearest(x, ends)
         })
+    }
+
+    /// Of the nearest of several points and edges, each as in [`Self::of_point_and_edge`].
+    fn nearest<const N: usize>(x: &[Vec3; 4], all: [(usize, [usize; 2], f64); N]) -> Self {
+        let squares = all.map(|(point, [a, b], _)| squared_distance(x[point], x[a], x[b]));
+        let nearest = (1..N).fold(0, |best, k| if squares[k] < squares[best] { k } else { best });
+        let (point, ends, sign) = all[nearest];
+        Self::of_point_and_edge(x, point, ends, sign)
     }
 
     /// Of the point `x[point]` and the edge between `x[ends]`; `sign` is that of the point in `r`.
@@ -153,12 +156,11 @@ impl Features {
     }
 }
 
-fn nearest<const N: usize>(all: [Closest; N]) -> Closest {
-    let mut nearest = all[0];
-    for it in &all[1..] {
-        if it.distance < nearest.distance {
-            nearest = *it;
-        }
-    }
-    nearest
+/// The square of the distance of a point from the edge between `a` and `b`, mm^2.
+fn squared_distance(point: Vec3, a: Vec3, b: Vec3) -> f64 {
+    let (along, from) = (b - a, point - a);
+    let s = along.dot(&from) / along.norm_squared();
+    // An edge without length is its end.
+    let s = if s > 0.0 { s.min(1.0) } else { 0.0 };
+    (from - s * along).norm_squared()
 }

@@ -190,7 +190,7 @@ impl Pair {
             let bb_block = 2.0 * (aa * identity - a * a.transpose());
             let ab_block = 4.0 * a * b.transpose() - 2.0 * b * a.transpose() - 2.0 * ab * identity;
             let c_hessian = |i: usize, j: usize| {
-                let sign = if (i + j) % 2 == 0 { 1.0 } else { -1.0 };
+                let sign = if (i + j).is_multiple_of(2) { 1.0 } else { -1.0 };
                 sign * match (i < 2, j < 2) {
                     (true, true) => aa_block,
                     (false, false) => bb_block,

@@ -57,11 +57,11 @@ mod tests {
     fn steps_end_before_a_touch() {
         let mut chance = ChaCha8Rng::seed_from_u64(3);
         let mut point = |size: f64| Vec3::from_fn(|_, _| chance.random_range(-1.0..1.0)) * size;
-        let of_edges = |x: &[Vec3; 4]| Closest::of_edges(x);
-        let of_facet = |x: &[Vec3; 4]| Closest::of_point_and_facet(x);
-        let ways: [(usize, &dyn Fn(&[Vec3; 4]) -> Closest); 2] = [(1, &of_facet), (2, &of_edges)];
+        let of_edges: fn(&[Vec3; 4]) -> Closest = Closest::of_edges;
+        let of_facet: fn(&[Vec3; 4]) -> Closest = Closest::of_point_and_facet;
         let (mut shortened, mut whole) = (0, 0);
-        for (first, closest) in ways {
+        for first in [1, 2] {
+            let closest = if first == 1 { of_facet } else { of_edges };
             for _ in 0..300 {
                 let x = [0; 4].map(|_| point(2.0));
                 let dx = [0; 4].map(|_| point(3.0));
