@@ -67,7 +67,7 @@ fn a_network_is_a_case_too() {
 
 #[test]
 fn every_case_is_listed() {
-    for what in ["shells", "stability"] {
+    for what in ["shells", "curves", "stability"] {
         let out = Workshop::new().succeed(&["verify", what, "--list"]);
         let folder = format!("{}/verify/{what}", env!("CARGO_MANIFEST_DIR"));
         let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -77,6 +77,17 @@ fn every_case_is_listed() {
             assert!(out.lines().any(is_name), "{name} in {out}");
         }
     }
+}
+
+/// Curves through limit points and back, and a load without a potential, on flat triangles: seconds each.
+#[test]
+fn whole_curves_are_traced() {
+    let workshop = Workshop::new();
+    let cases = ["von_mises_truss", "hinged_roof_thin", "follower_tip_force"];
+    let mut arguments = vec!["verify", "curves", "--quick", "--element", "mid-edge"];
+    cases.iter().for_each(|case| arguments.extend(["--case", case]));
+    let out = workshop.succeed(&arguments);
+    assert!(out.contains("3 within what is accepted, 0 known to miss it, 0 too far"), "{out}");
 }
 
 /// A plate and the same a thousandth of its size, on every solver: a table of one line for each run, and a file of them.
