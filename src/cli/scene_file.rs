@@ -125,6 +125,8 @@ pub(super) struct LoadSection {
     pub curve: bool,
     /// The stretch of the wall beyond which the path ends as ballooning.
     pub stretch_bound: f64,
+    /// Whether the wall may pass through itself unseen; if not, a touch ends the path where there is no `[self_contact]`.
+    pub may_overlap: bool,
     /// Whether the answer is that of the linear theory: one linear solve at rest.
     pub linear: bool,
     pub path: PathSettings,
@@ -139,6 +141,7 @@ impl Default for LoadSection {
             gas: None,
             curve: false,
             stretch_bound,
+            may_overlap: false,
             linear: false,
             path,
         }

@@ -42,7 +42,7 @@ impl Shape {
         let mut shape = Self::unfolded(scene, source)?;
         match scene.self_contact()? {
             Some(settings) => shape.model.keep_folds_apart(settings),
-            None => shape.model.watch_folds(true),
+            None => shape.model.watch_folds(!scene.load.may_overlap),
         }
         Ok(shape)
     }

@@ -81,6 +81,7 @@ pub(super) fn run(
     instability(&material).iter().for_each(|line| warn(line));
     let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &planes)
         .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
+    model.watch_folds(!scene.load.may_overlap);
     if let Some(settings) = scene.self_contact()? {
         model.keep_folds_apart(settings);
     }
