@@ -4,10 +4,11 @@
 //! damping (x_(k+1) - x_k) + R(x_(k+1)) = 0          overdamped motion, implicit steps
 //! ```
 //!
-//! Each step is as long as keeps `K + damping I` positive definite on its way, so that it has one answer and lowers the
-//! energy: the state goes down its own valley and does not jump to another. Where it stands on a saddle (a
-//! bifurcation), it is first pushed along the critical mode, to the lower side; where both are equal, to that on which the mode's largest
-//! component is positive. The metric is that of the nodes, whose areas are nearly equal. Source: pseudo-transient continuation, Kelley & Keyes (1998).
+//! Each step is as long as keeps `K + damping I` positive definite on its way, but for a few iterates, so that the state goes
+//! down its own valley and does not jump to another. Where it stands on a saddle (a bifurcation), it is first pushed along
+//! the mode in which it is least stable, to the lowest of ever larger pushes on both sides; where none is lower, to that on
+//! which the mode's largest component is positive. The metric is that of the nodes, whose areas are nearly equal.
+//! Source: pseudo-transient continuation, Kelley & Keyes (1998).
 
 use serde::{Deserialize, Serialize};
 
