@@ -10,7 +10,7 @@ use pneumorph::mesh::{ShellMesh, ShellSettings};
 use pneumorph::model::contact::SelfContactSettings;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::{LoadedSystem, System};
-use pneumorph::model::{ShellModel, Support};
+use pneumorph::model::{PartModel, Support};
 use pneumorph::solve::{NativeSolver, PathSettings, follow};
 
 const PRESSURE: f64 = 0.012;
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 fn measure(mesh: &ShellMesh, material: &Material) -> Result<(), String> {
     for name in ["not seen", "watched", "kept apart"] {
-        let mut model = ShellModel::new(mesh, material, &Support::Clamp, &[])
+        let mut model = PartModel::new(mesh, material, &Support::Clamp, &[])
             .map_err(|error| error.to_string())?;
         model.watch_folds(name == "watched");
         if name == "kept apart" {

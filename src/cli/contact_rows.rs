@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::io::{OutputError, csv};
-use crate::model::ShellModel;
+use crate::model::PartModel;
 use crate::model::contact::PlaneState;
 use crate::solve::PathPoint;
 
@@ -49,7 +49,7 @@ struct Row {
 }
 
 /// The planes at the last of `points`.
-pub(super) fn plane_summaries(model: &ShellModel, points: &[PathPoint]) -> Vec<PlaneSummary> {
+pub(super) fn plane_summaries(model: &PartModel, points: &[PathPoint]) -> Vec<PlaneSummary> {
     let summary = |state: PlaneState| PlaneSummary {
         force: state.force.into(),
         friction: state.friction.into(),
@@ -65,7 +65,7 @@ pub(super) fn plane_summaries(model: &ShellModel, points: &[PathPoint]) -> Vec<P
 /// Writes `contact.csv`, every plane at every one of `points`; nothing where the scene has no planes.
 pub(super) fn write_contact(
     folder: &Path,
-    model: &ShellModel,
+    model: &PartModel,
     points: &[PathPoint],
 ) -> Result<(), OutputError> {
     let rows = points.iter().enumerate().flat_map(|(step, point)| {

@@ -10,7 +10,7 @@ use crate::io::vtu::{Picture, Values, write_series};
 use crate::io::{OutputError, atomic, csv, stl};
 use crate::math::Vec3;
 use crate::mesh::ShellMesh;
-use crate::model::ShellModel;
+use crate::model::PartModel;
 use crate::solve::PathPoint;
 use crate::surface::TriangleMesh;
 
@@ -25,7 +25,7 @@ pub(super) fn write_path(
     folder: &Path,
     name: &str,
     mesh: &ShellMesh,
-    model: &ShellModel,
+    model: &PartModel,
     points: &[PathPoint],
     rows: &[Observation],
 ) -> Result<(), OutputError> {
@@ -38,7 +38,7 @@ pub(super) fn write_pictures(
     folder: &Path,
     name: &str,
     surface: &TriangleMesh,
-    model: &ShellModel,
+    model: &PartModel,
     points: &[PathPoint],
 ) -> Result<(), OutputError> {
     let mut frames = Vec::with_capacity(points.len());

@@ -10,14 +10,14 @@ use super::watch_curve::WatchCurve;
 use crate::math::cpu_seconds;
 use crate::mesh::{Patch, ShellMesh, Side};
 use crate::model::system::{LoadedSystem, System};
-use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PatchLoads, ShellModel};
+use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads};
 use crate::solve::{Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, follow};
 use crate::surface::TriangleMesh;
 
 /// A part ready to be loaded.
 pub(super) struct Shape {
     pub surface: TriangleMesh,
-    pub model: ShellModel,
+    pub model: PartModel,
     watches: Vec<Watch>,
 }
 
@@ -55,7 +55,7 @@ impl Shape {
         let mesh = closed_part::shell(scene, source)?;
         let support = closed_part::support(source, &mesh);
         let planes = scene.plane_settings(scene.load_settings().pressure);
-        let model = ShellModel::new(&mesh, &scene.material.material()?, &support, &planes)
+        let model = PartModel::new(&mesh, &scene.material.material()?, &support, &planes)
             .map_err(|rejected| anyhow!("{rejected}"))?;
         let watches = watches_of_closed(scene, &mesh)?;
         Ok(Self { surface: mesh.surface, model, watches })
@@ -141,7 +141,7 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
     }
     loads.planes = scene.plane_settings(loads.mean_pressure(&patch));
     let material = scene.material.material()?;
-    let model = ShellModel::of_patch(&patch, scene.wall.element, &material, &loads)
+    let model = PartModel::of_patch(&patch, scene.wall.element, &material, &loads)
         .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
     let watches = scene
         .watches
@@ -160,7 +160,7 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
 
 /// Rest, and the state that the linear theory has at the `largest` load.
 fn linear_step(
-    model: &mut ShellModel,
+    model: &mut PartModel,
     solver: &mut dyn EquilibriumSolver,
     largest: f64,
 ) -> anyhow::Result<Walked> {

@@ -21,7 +21,7 @@ use crate::io::{OutputFolder, atomic, stl, toml_file};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellMesh;
 use crate::model::system::System;
-use crate::model::{ShellModel, Support};
+use crate::model::{PartModel, Support};
 use crate::solve::{Backend, Path as Walked, SolveTimes, follow};
 use crate::surface::{SurfaceQuality, TriangleMesh};
 
@@ -79,7 +79,7 @@ pub(super) fn run(
     let planes = scene.plane_settings(scene.load_settings().pressure);
     let material = scene.material.material()?;
     instability(&material).iter().for_each(|line| warn(line));
-    let mut model = ShellModel::new(&mesh, &material, &Support::Clamp, &planes)
+    let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes)
         .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
     model.watch_folds(!scene.load.may_overlap);
     if let Some(settings) = scene.self_contact()? {
@@ -136,7 +136,7 @@ pub(super) fn run(
 }
 
 /// The path of a part that is stable at rest, and what it took.
-fn walk(scene: &SceneFile, model: &mut ShellModel) -> anyhow::Result<(Walked, SolveTimes)> {
+fn walk(scene: &SceneFile, model: &mut PartModel) -> anyhow::Result<(Walked, SolveTimes)> {
     let mut solver = scene.solver.backend.solver(model.pattern())?;
     let load = scene.load_settings();
     model.set_stretch_bound(load.stretch_bound);

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::model::ShellModel;
+use crate::model::PartModel;
 use crate::solve::{Ending, Path, PathPoint};
 
 /// Why and where a path ended, and what it lost and found on the way.
@@ -35,7 +35,7 @@ pub(super) struct SnapRow {
 }
 
 impl WalkSummary {
-    pub(super) fn new(walked: &Path, model: &ShellModel) -> Self {
+    pub(super) fn new(walked: &Path, model: &PartModel) -> Self {
         let snap = |(step, pair): (usize, &[PathPoint])| {
             let (from, to) = (&pair[0], &pair[1]);
             to.snap.map(|snap| SnapRow {

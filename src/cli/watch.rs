@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::watch_curve::{CurvePoint, WatchCurve};
 use crate::math::Vec3;
-use crate::model::ShellModel;
+use crate::model::PartModel;
 use crate::solve::PathPoint;
 
 /// `[[watch]]`: a vertex or the tip along a direction, or something of the part as a whole.
@@ -136,7 +136,7 @@ impl Watch {
     /// The watched number over the share of the `largest` load.
     pub(super) fn curve(
         &self,
-        model: &ShellModel,
+        model: &PartModel,
         points: &[PathPoint],
         largest: f64,
     ) -> WatchCurve {
@@ -149,7 +149,7 @@ impl Watch {
     }
 
     /// The watched number, and its derivative with respect to the drive of the path.
-    fn value_and_rate(&self, model: &ShellModel, at_rest: f64, point: &PathPoint) -> [f64; 2] {
+    fn value_and_rate(&self, model: &PartModel, at_rest: f64, point: &PathPoint) -> [f64; 2] {
         // The displacement of a vertex is linear in the unknowns.
         let mean = |x: &[f64]| {
             let displacements = model.vertex_displacements(x);

@@ -12,7 +12,7 @@ use crate::mesh::ShellMesh;
 use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
 use crate::model::system::System;
-use crate::model::{DEFAULT_STRETCH_BOUND, ShellModel, Support};
+use crate::model::{DEFAULT_STRETCH_BOUND, PartModel, Support};
 use crate::solve::{Backend, Ending, Path, PathSettings, SolveTimes, SolverFailure, follow};
 
 /// The loading programme.
@@ -87,7 +87,7 @@ pub struct Evaluation {
 #[derive(Clone, Debug)]
 pub struct Scenarios {
     /// The model, planes in place.
-    pub model: ShellModel,
+    pub model: PartModel,
     /// Bending freely.
     pub free: Path,
     /// Pressing on the plane; the free path where the part never comes near it.
@@ -113,7 +113,7 @@ pub fn evaluate(
 ) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
     let normal = Vec3::from(fitness.plane_normal).normalize();
     let plane = PlaneSettings::new(normal, fitness.plane_distance, load.pressure);
-    let mut model = match ShellModel::new(mesh, material, &Support::Clamp, &[plane]) {
+    let mut model = match PartModel::new(mesh, material, &Support::Clamp, &[plane]) {
         Ok(model) => model,
         Err(rejected) => return Ok(Err(rejected)),
     };

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::math::Vec3;
 use crate::mesh::ShellMesh;
-use crate::model::ShellModel;
+use crate::model::PartModel;
 use crate::solve::PathPoint;
 
 /// One row of a path.
@@ -71,11 +71,7 @@ pub fn stability(point: &PathPoint) -> &'static str {
 
 /// The rows of a path, the first at rest.
 #[must_use]
-pub fn observations(
-    mesh: &ShellMesh,
-    model: &ShellModel,
-    points: &[PathPoint],
-) -> Vec<Observation> {
+pub fn observations(mesh: &ShellMesh, model: &PartModel, points: &[PathPoint]) -> Vec<Observation> {
     let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
     let (mut chord, mut tangent) = (Turning::default(), Turning::default());
     let axis = tip_normal.normalize();

@@ -12,9 +12,9 @@ pub mod element;
 pub mod load;
 pub mod local;
 pub mod material;
+mod part_folds;
+mod part_model;
 mod patch_model;
-mod shell_folds;
-mod shell_model;
 mod stretch_bound;
 pub mod system;
 #[cfg(test)]
@@ -25,6 +25,6 @@ mod tie;
 
 pub use edge_support::{EdgeSupport, EdgeSupports};
 pub use load::{DeadLoad, FollowerForce};
+pub use part_model::{PartModel, Support};
 pub use patch_model::PatchLoads;
-pub use shell_model::{ShellModel, Support};
 pub use stretch_bound::DEFAULT_STRETCH_BOUND;

@@ -5,7 +5,7 @@ use super::discretization::Discretization;
 use super::edge_support::{EdgeSupport, EdgeSupports};
 use super::load::{DeadLoad, EdgeMoment, FollowerForce, FollowerLoads, Loaded};
 use super::material::Material;
-use super::shell_model::ShellModel;
+use super::part_model::PartModel;
 use super::system::LoadedSystem;
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::{BoundaryEdge, Patch, ShellElement, Side};
@@ -57,7 +57,7 @@ impl PatchLoads {
     }
 }
 
-impl ShellModel {
+impl PartModel {
     /// An open patch under `loads`; its load is the factor that multiplies them all.
     ///
     /// # Errors
@@ -150,7 +150,7 @@ mod tests {
         let loads = PatchLoads { supports: symmetry, pressure: 0.01, ..Default::default() };
         let material = Material::NeoHookean(NeoHookean { mu: 1.3 });
         for (element, tolerance) in [(ShellElement::Loop, 1e-5), (ShellElement::MidEdge, 1e-2)] {
-            let mut model = ShellModel::of_patch(&patch, element, &material, &loads).unwrap();
+            let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
             let rest = vec![0.0; model.unknowns()];
             let exact = std::f64::consts::PI * 25.0 / 4.0 * 3.0;
             // Chords of a sixteenth of a right angle: of second order for facets, of fourth on the limit surface.
@@ -179,8 +179,7 @@ mod tests {
         let measured = |shift: Vec3| {
             let tube = |s: f64, t: f64| shift + Vec3::new(5.0 * s.cos(), 5.0 * s.sin(), t);
             let patch = Patch::new([8, 3], [0.0, right], [1.0, 4.0], 0.1, &tube).unwrap();
-            let model =
-                ShellModel::of_patch(&patch, ShellElement::Loop, &material, &loads).unwrap();
+            let model = PartModel::of_patch(&patch, ShellElement::Loop, &material, &loads).unwrap();
             let u: Vec<f64> = (0..model.unknowns()).map(|k| 0.1 * (k as f64).sin()).collect();
             let mut direction = vec![0.0; u.len()];
             model.load_direction(&u, &mut direction);
@@ -196,7 +195,7 @@ mod tests {
     }
 
     /// A curved patch with a side of each kind under everything that follows it, away from rest.
-    fn followed(element: ShellElement) -> (ShellModel, Vec<f64>) {
+    fn followed(element: ShellElement) -> (PartModel, Vec<f64>) {
         let tube = |s: f64, t: f64| Vec3::new(5.0 * s.cos(), 5.0 * s.sin(), t + 0.3 * s);
         let patch = Patch::new([5, 4], [0.2, 1.3], [0.0, 3.0], 0.2, &tube).unwrap();
         let vertex = patch.vertex(0.42, 1.5).unwrap();
@@ -216,7 +215,7 @@ mod tests {
             ..Default::default()
         };
         let material = Material::NeoHookean(NeoHookean { mu: 1.3 });
-        let mut model = ShellModel::of_patch(&patch, element, &material, &loads).unwrap();
+        let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
         model.set_load(0.7);
         let mut u: Vec<f64> =
             (0..model.unknowns()).map(|k| 0.03 * (1.3 * k as f64).sin()).collect();
@@ -235,7 +234,7 @@ mod tests {
             assert!(!model.is_conservative());
             let v: Vec<f64> =
                 u.iter().enumerate().map(|(k, u)| 1e2 * u * (0.7 * k as f64).cos()).collect();
-            let residual = |model: &mut ShellModel, h: f64| {
+            let residual = |model: &mut PartModel, h: f64| {
                 let moved: Vec<f64> = u.iter().zip(&v).map(|(u, v)| u + h * v).collect();
                 let mut residual = vec![0.0; u.len()];
                 model.residual(&moved, &mut residual).unwrap();
@@ -276,7 +275,7 @@ mod tests {
     fn direction_of_followers_is_the_difference_over_the_load() {
         for element in ELEMENTS {
             let (mut model, u) = followed(element);
-            let residual = |model: &mut ShellModel, load: f64| {
+            let residual = |model: &mut PartModel, load: f64| {
                 let mut residual = vec![0.0; u.len()];
                 model.set_load(load);
                 model.residual(&u, &mut residual).unwrap();
@@ -305,7 +304,7 @@ mod tests {
             let forces = |last: EdgeSupport| {
                 let supports = [EdgeSupport::Clamped, last, symmetry, symmetry];
                 let loads = PatchLoads { supports, pressure: 0.01, ..Default::default() };
-                let model = ShellModel::of_patch(&patch, element, &material, &loads).unwrap();
+                let model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
                 let mut direction = vec![0.0; model.unknowns()];
                 let u: Vec<f64> = patch
                     .node_places()

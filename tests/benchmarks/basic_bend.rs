@@ -18,7 +18,7 @@ use pneumorph::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use pneumorph::model::contact::PlaneSettings;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::{LoadedSystem, System};
-use pneumorph::model::{ShellModel, Support};
+use pneumorph::model::{PartModel, Support};
 use pneumorph::solve::{Backend, Ending, PathPoint, PathSettings, follow};
 
 const PRESSURE: f64 = 0.012;
@@ -29,11 +29,11 @@ fn shell() -> ShellMesh {
 }
 
 /// The path to full pressure, with a plane so many millimetres away where one is given.
-fn walked(mesh: &ShellMesh, backend: Backend, plane: Option<f64>) -> (ShellModel, Vec<PathPoint>) {
+fn walked(mesh: &ShellMesh, backend: Backend, plane: Option<f64>) -> (PartModel, Vec<PathPoint>) {
     let before = |distance| PlaneSettings::new(Vec3::x(), distance, PRESSURE);
     let planes: Vec<PlaneSettings> = plane.map(before).into_iter().collect();
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
-    let mut model = ShellModel::new(mesh, &material, &Support::Clamp, &planes).unwrap();
+    let mut model = PartModel::new(mesh, &material, &Support::Clamp, &planes).unwrap();
     let mut solver = backend.solver(model.pattern()).unwrap();
     let settings = PathSettings::default();
     let path = follow(&mut model, solver.as_mut(), PRESSURE, Vec::new(), &settings).unwrap();
@@ -124,7 +124,7 @@ fn clamp_bears_what_the_plane_takes() {
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
     let settings = PlaneSettings::new(Vec3::x(), 5.0, PRESSURE);
     let free = Support::Unknowns(Vec::new());
-    let mut free = ShellModel::new(&mesh, &material, &free, &[settings]).unwrap();
+    let mut free = PartModel::new(&mesh, &material, &free, &[settings]).unwrap();
     free.set_load(PRESSURE);
     let mut residual = vec![0.0; u.len()];
     free.residual(u, &mut residual).unwrap();

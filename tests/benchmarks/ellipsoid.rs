@@ -7,7 +7,7 @@
 use pneumorph::field::ScalarField;
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{ShellElement, ShellMesh, ShellSettings};
-use pneumorph::model::ShellModel;
+use pneumorph::model::PartModel;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::solve::{Ending, PathSettings};
 use pneumorph::surface::{RemeshSettings, isosurface, remesh};
@@ -43,7 +43,7 @@ fn growth(element: ShellElement) -> f64 {
         ShellSettings { thickness: 1.0, clamp_height: 8.0, element, ..Default::default() };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
     let material = Material::NeoHookean(NeoHookean { mu: 10.0 / 3.0 });
-    let mut model = ShellModel::new(&mesh, &material, &support, &[]).unwrap();
+    let mut model = PartModel::new(&mesh, &material, &support, &[]).unwrap();
     let path = walked(&mut model, 0.2, &PathSettings::default());
     assert_eq!(path.ending, Ending::Reached, "{element:?}");
     path.points.last().unwrap().conjugate - path.points[0].conjugate

@@ -12,7 +12,7 @@ use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, Side};
 use pneumorph::model::material::{Material, StVenantKirchhoff};
 use pneumorph::model::system::{LoadedSystem, System};
-use pneumorph::model::{EdgeSupport, FollowerForce, PatchLoads, ShellModel};
+use pneumorph::model::{EdgeSupport, FollowerForce, PartModel, PatchLoads};
 use pneumorph::solve::{EquilibriumSolver, NativeSolver, solve_unsymmetric};
 
 const TIP_FORCE: [[f64; 4]; 10] = [
@@ -49,7 +49,7 @@ const STIFFNESS: f64 = YOUNG_MODULUS * THICKNESS * THICKNESS * THICKNESS / 12.0;
 
 /// A strip clamped at one end whose sides stay in their planes, or are free as well.
 struct Strip {
-    model: ShellModel,
+    model: PartModel,
     cells: usize,
     /// The vertices along it.
     line: Vec<u32>,
@@ -72,7 +72,7 @@ impl Strip {
             poisson_ratio: 0.0,
         });
         let loads = PatchLoads { supports, ..loads };
-        let model = ShellModel::of_patch(&patch, element, &material, &loads).unwrap();
+        let model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
         let at = |k: usize| patch.vertex(LENGTH * k as f64 / cells[0] as f64, 0.0).unwrap();
         Self { model, cells: cells[0], line: (0..=cells[0]).map(at).collect() }
     }
@@ -105,7 +105,7 @@ impl Strip {
         let (mut load, mut products) = (0.0, 0);
         let mut ends = Vec::new();
         let mut solved =
-            |model: &ShellModel, solver: &mut NativeSolver, u: &[f64], b: &mut [f64]| {
+            |model: &PartModel, solver: &mut NativeSolver, u: &[f64], b: &mut [f64]| {
                 let report = solve_unsymmetric(model, solver, u, b).unwrap();
                 assert!(report.has_converged(), "{report:?}");
                 products = products.max(report.iterations);

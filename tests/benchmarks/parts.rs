@@ -4,7 +4,7 @@ use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings};
 use pneumorph::model::material::Material;
 use pneumorph::model::system::{LoadedSystem, System};
-use pneumorph::model::{EdgeSupport, PatchLoads, ShellModel, Support};
+use pneumorph::model::{EdgeSupport, PartModel, PatchLoads, Support};
 use pneumorph::solve::{EquilibriumSolver, NativeSolver, Path, PathSettings, Programme, follow};
 use pneumorph::surface::TriangleMesh;
 
@@ -31,14 +31,14 @@ pub(crate) fn sphere(
     thickness: f64,
     element: ShellElement,
     material: &Material,
-) -> ShellModel {
+) -> PartModel {
     let surface = TriangleMesh::sphere(RADIUS, subdivisions);
     let support = pins(&surface);
     // A mesh wants a clamp, which these supports do not use.
     let clamp_height = RADIUS / thickness;
     let settings = ShellSettings { thickness, clamp_height, element, ..Default::default() };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
-    ShellModel::new(&mesh, material, &support, &[]).unwrap()
+    PartModel::new(&mesh, material, &support, &[]).unwrap()
 }
 
 /// A quarter of a tube between two planes that keep its length, in so many cells around and 4 along.
@@ -47,23 +47,23 @@ pub(crate) fn quarter_tube(
     thickness: f64,
     element: ShellElement,
     material: &Material,
-) -> ShellModel {
+) -> PartModel {
     let around = |s: f64, t: f64| Vec3::new(RADIUS * s.sin(), t, RADIUS * s.cos());
     let quarter = [0.0, std::f64::consts::FRAC_PI_2];
     let patch = Patch::new([cells, 4], quarter, [0.0, LENGTH], thickness, &around).unwrap();
     let supports = [0, 2, 1, 1].map(EdgeSupport::Symmetry);
     let loads = PatchLoads { supports, pressure: 1.0, ..Default::default() };
-    ShellModel::of_patch(&patch, element, material, &loads).unwrap()
+    PartModel::of_patch(&patch, element, material, &loads).unwrap()
 }
 
 /// The path to a load, in so many steps of equal size at most.
-pub(crate) fn walked(model: &mut ShellModel, load: f64, settings: &PathSettings) -> Path {
+pub(crate) fn walked(model: &mut PartModel, load: f64, settings: &PathSettings) -> Path {
     driven(model, load, settings)
 }
 
 /// The path through a programme.
 pub(crate) fn driven(
-    model: &mut ShellModel,
+    model: &mut PartModel,
     programme: impl Into<Programme>,
     settings: &PathSettings,
 ) -> Path {
@@ -72,7 +72,7 @@ pub(crate) fn driven(
 }
 
 /// The displacements at a load of 1 by the linear theory.
-pub(crate) fn linear_response(model: &mut ShellModel) -> Vec<f64> {
+pub(crate) fn linear_response(model: &mut PartModel) -> Vec<f64> {
     let rest = vec![0.0; model.unknowns()];
     let mut solver = NativeSolver::new(model.pattern()).unwrap();
     model.set_load(0.0);

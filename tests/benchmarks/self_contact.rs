@@ -9,7 +9,7 @@ use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings, Side};
 use pneumorph::model::contact::SelfContactSettings;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::{LimitKind, LoadedSystem, System};
-use pneumorph::model::{DeadLoad, EdgeSupport, PatchLoads, ShellModel, Support};
+use pneumorph::model::{DeadLoad, EdgeSupport, PartModel, PatchLoads, Support};
 use pneumorph::solve::{Ending, Path, PathSettings};
 use pneumorph::surface::TriangleMesh;
 
@@ -49,8 +49,8 @@ fn hairpin(cells: [usize; 2]) -> Hairpin {
 }
 
 impl Hairpin {
-    fn model(&self, element: ShellElement) -> ShellModel {
-        ShellModel::of_patch(&self.patch, element, &MATERIAL, &self.loads).unwrap()
+    fn model(&self, element: ShellElement) -> PartModel {
+        PartModel::of_patch(&self.patch, element, &MATERIAL, &self.loads).unwrap()
     }
 }
 
@@ -131,7 +131,7 @@ fn distance_of_segments(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     (on_one - on_other).norm()
 }
 
-fn deformed(patch: &Patch, model: &ShellModel, u: &[f64]) -> Vec<Vec3> {
+fn deformed(patch: &Patch, model: &PartModel, u: &[f64]) -> Vec<Vec3> {
     let moved = model.vertex_displacements(u);
     patch.surface.positions.iter().zip(&moved).map(|(x, u)| x + u).collect()
 }
@@ -191,7 +191,7 @@ fn arms_of_a_hairpin_keep_apart() {
 #[test]
 fn folds_of_a_bellows_keep_apart() {
     let (patch, loads) = bellows();
-    let mut model = ShellModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
+    let mut model = PartModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
     model.keep_folds_apart(SelfContactSettings::of_wall(0.4, 0.01));
     let settings = PathSettings { steps: 8, halvings: 3, ..Default::default() };
     let path = walked(&mut model, 1.0, &settings);
@@ -230,7 +230,7 @@ fn closed_parts_are_watched() {
     let surface = TriangleMesh::sphere(10.0, 3);
     let settings = ShellSettings { clamp_height: 1.0, ..Default::default() };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
-    let mut model = ShellModel::new(&mesh, &MATERIAL, &Support::Clamp, &[]).unwrap();
+    let mut model = PartModel::new(&mesh, &MATERIAL, &Support::Clamp, &[]).unwrap();
     let dented = |share: f64| -> Vec<f64> {
         let dent = |x: &Vec3| {
             let beside = (x.x * x.x + x.y * x.y) / 100.0;

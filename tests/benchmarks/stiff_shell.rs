@@ -16,13 +16,13 @@ use pneumorph::field::{CappedField, CompiledNetwork, DesignBox};
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use pneumorph::model::material::{Compressible, Material, MooneyRivlin, NeoHookean, Rubber};
-use pneumorph::model::{ShellModel, Support};
+use pneumorph::model::{PartModel, Support};
 use pneumorph::solve::{Ending, PathSettings};
 
 use crate::parts::{linear_response, walked};
 
 /// The actuator with edges of a length, of a law with a bulk modulus.
-fn actuator(edge: f64, law: Rubber, bulk_modulus: f64) -> (ShellMesh, ShellModel) {
+fn actuator(edge: f64, law: Rubber, bulk_modulus: f64) -> (ShellMesh, PartModel) {
     let network = include_str!("../../examples/networks/basic_bend.toml").parse().unwrap();
     let meshing = MeshSettings { edge, ..Default::default() };
     let [lower, upper] = [Vec3::new(-20.0, -20.0, 0.0), Vec3::new(20.0, 20.0, 80.0)];
@@ -33,11 +33,11 @@ fn actuator(edge: f64, law: Rubber, bulk_modulus: f64) -> (ShellMesh, ShellModel
     let settings = ShellSettings { thickness, clamp_height: 4.0 / thickness, ..Default::default() };
     let mesh = shell_of_field(&field, &meshing, &settings).unwrap();
     let material = Material::Compressible(Compressible { law, bulk_modulus });
-    let model = ShellModel::new(&mesh, &material, &Support::Clamp, &[]).unwrap();
+    let model = PartModel::new(&mesh, &material, &Support::Clamp, &[]).unwrap();
     (mesh, model)
 }
 
-fn tip(mesh: &ShellMesh, model: &ShellModel, u: &[f64]) -> Vec3 {
+fn tip(mesh: &ShellMesh, model: &PartModel, u: &[f64]) -> Vec3 {
     let displacements = model.vertex_displacements(u);
     mesh.tip.iter().map(|&v| displacements[v as usize]).sum::<Vec3>() / mesh.tip.len() as f64
 }

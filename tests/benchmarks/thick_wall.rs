@@ -11,7 +11,7 @@
 //! so that their error has two parts: theirs, and the theory's, of size (t / R)^2.
 
 use pneumorph::mesh::ShellElement;
-use pneumorph::model::ShellModel;
+use pneumorph::model::PartModel;
 use pneumorph::solve::{Ending, PathSettings};
 
 use crate::parts::{RADIUS, quarter_tube, sphere, walked};
@@ -64,7 +64,7 @@ impl Body {
         (energy(stretch + step) - energy(stretch - step)) / (2.0 * step) / stretch.powi(n)
     }
 
-    fn model(self, slenderness: f64, element: ShellElement) -> ShellModel {
+    fn model(self, slenderness: f64, element: ShellElement) -> PartModel {
         let (thickness, material) = (slenderness * RADIUS, Rubber::neo_hookean().material);
         match self {
             Self::Tube => quarter_tube(16, thickness, element, &material),

@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::{Friction, PlaneContact, PlaneSettings};
 use crate::math::Vec3;
-use crate::model::ShellModel;
+use crate::model::PartModel;
 use crate::model::assembly::{Assembler, Slots};
 use crate::model::element::SampledSurface;
 use crate::model::local::Term;
@@ -215,7 +215,7 @@ impl Plane {
     }
 }
 
-impl ShellModel {
+impl PartModel {
     /// Takes the planes of the scene away, or puts them back; only [`Self::smallest_gap`] and [`Self::touches_plane`] still
     /// see lifted planes.
     pub fn lift_planes(&mut self, lifted: bool) {

@@ -9,7 +9,7 @@ use crate::mesh::{Patch, ShellElement, ShellMesh, ShellSettings};
 use crate::model::material::{Material, NeoHookean};
 use crate::model::system::{LoadedSystem, System};
 use crate::model::test_shells::difference;
-use crate::model::{DeadLoad, EdgeSupport, PatchLoads, ShellModel, Support};
+use crate::model::{DeadLoad, EdgeSupport, PartModel, PatchLoads, Support};
 use crate::solve::{EquilibriumSolver, NativeSolver, NewtonEnding, NewtonReport, NewtonSettings};
 use crate::surface::TriangleMesh;
 
@@ -20,13 +20,13 @@ const ELEMENTS: [ShellElement; 2] = [ShellElement::Loop, ShellElement::MidEdge];
 const NEWTON: NewtonSettings =
     NewtonSettings { tolerance: 1e-9, max_iterations: 100, most_shifted: usize::MAX };
 
-fn solved(model: &mut ShellModel, u: &mut [f64]) -> NewtonReport {
+fn solved(model: &mut PartModel, u: &mut [f64]) -> NewtonReport {
     let mut solver = NativeSolver::new(model.pattern()).unwrap();
     solver.solve(model, u, &NEWTON).unwrap()
 }
 
 /// Solves and takes the normal forces, until they stand still; whether they do.
-fn settled(model: &mut ShellModel, u: &mut [f64]) -> bool {
+fn settled(model: &mut PartModel, u: &mut [f64]) -> bool {
     for _ in 0..50 {
         if solved(model, u).ending != NewtonEnding::Converged {
             return false;
@@ -41,7 +41,7 @@ fn settled(model: &mut ShellModel, u: &mut [f64]) -> bool {
 /// A plate of 10 x 8 x 1 mm above a plane, on which a dead load presses it.
 struct Block {
     patch: Patch,
-    model: ShellModel,
+    model: PartModel,
     /// The unknowns where it has come down on the plane, a quarter of the rest's gap above it.
     down: Vec<f64>,
 }
@@ -66,7 +66,7 @@ impl Block {
         }
         let plane = PlaneSettings::new(AXES[2], distance, loads.mean_pressure(&patch));
         loads.planes = vec![PlaneSettings { friction, ..plane }];
-        let mut model = ShellModel::of_patch(&patch, element, &MATERIAL, &loads).unwrap();
+        let mut model = PartModel::of_patch(&patch, element, &MATERIAL, &loads).unwrap();
         model.set_load(1.0);
         let mut down = vec![0.0; model.unknowns()];
         for u in down.as_chunks_mut().0.iter_mut().take(patch.vertices()) {
@@ -135,7 +135,7 @@ fn block_slides_at_the_coefficient_of_friction() {
             assert!(settled(&mut block.model, &mut u));
             assert_eq!(block.model.settle(&u), 0.0);
             let (before, start) = (block.slid(&u), u.clone());
-            let pull = |model: &mut ShellModel, ratio: f64| {
+            let pull = |model: &mut PartModel, ratio: f64| {
                 for (force, normal) in model.forces.iter_mut().zip(&normal) {
                     *force = normal + ratio * normal.norm() * AXES[0];
                 }
@@ -187,8 +187,8 @@ fn ties_pass_contact_on_to_their_leaders() {
             EdgeSupport::Held([true, false, false]),
         ];
         let loads = PatchLoads { supports, planes: planes.to_vec(), ..Default::default() };
-        let mut model = ShellModel::of_patch(&patch, element, &MATERIAL, &loads).unwrap();
-        let mut push = |model: &ShellModel, size: f64| -> Vec<f64> {
+        let mut model = PartModel::of_patch(&patch, element, &MATERIAL, &loads).unwrap();
+        let mut push = |model: &PartModel, size: f64| -> Vec<f64> {
             (0..model.unknowns()).map(|_| chance.random_range(-size..size)).collect()
         };
         let u = push(&model, 0.05);
@@ -245,7 +245,7 @@ fn free_body_on_planes_is_in_balance() {
             .map(|(normal, distance)| PlaneSettings::new(normal, distance, 0.1));
         let model = |held: &[u32]| {
             let support = Support::Unknowns(held.to_vec());
-            let mut model = ShellModel::new(&mesh, &MATERIAL, &support, &planes).unwrap();
+            let mut model = PartModel::new(&mesh, &MATERIAL, &support, &planes).unwrap();
             model.set_load(0.05);
             model
         };
@@ -311,7 +311,7 @@ fn sphere_is_flattened_on_a_plane() {
     let distance = 0.005;
     let planes = vec![PlaneSettings::new(-Vec3::z(), distance, pressure)];
     let loads = PatchLoads { supports, planes, ..Default::default() };
-    let mut model = ShellModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
+    let mut model = PartModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
     let nodes = patch.control_points();
     let mut raised = 0.0;
     for approach in [0.8, 2.0] {

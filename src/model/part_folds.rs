@@ -2,11 +2,11 @@
 
 use super::contact::SelfContactSettings;
 use super::contact::self_contact::Frame;
-use super::shell_model::ShellModel;
+use super::part_model::PartModel;
 use super::system::{Limit, LimitKind};
 use crate::math::Vec3;
 
-impl ShellModel {
+impl PartModel {
     /// Keeps the folds of the wall apart by barriers from now on.
     pub fn keep_folds_apart(&mut self, settings: SelfContactSettings) {
         let frame = Frame { ties: &self.ties, reference: &self.reference };

@@ -25,7 +25,7 @@ use crate::mesh::ShellMesh;
 
 /// The energy of a loaded shell over the displacements of its nodes.
 #[derive(Clone, Debug)]
-pub struct ShellModel {
+pub struct PartModel {
     /// Nodes at rest, mm.
     pub(super) reference: Vec<Vec3>,
     pub(super) ties: Ties,
@@ -62,7 +62,7 @@ pub enum Support {
     Unknowns(Vec<u32>),
 }
 
-impl ShellModel {
+impl PartModel {
     /// The wall of `mesh` made of `material`, held by `support`, with the planes of the scene; its load is the pressure.
     ///
     /// # Errors
@@ -294,7 +294,7 @@ impl ShellModel {
     }
 }
 
-impl System for ShellModel {
+impl System for PartModel {
     fn pattern(&self) -> &SparsityPattern {
         self.assembler.pattern()
     }
@@ -372,7 +372,7 @@ impl System for ShellModel {
     }
 }
 
-impl LoadedSystem for ShellModel {
+impl LoadedSystem for PartModel {
     fn set_load(&mut self, load: f64) {
         self.load = load;
         if let Some(chamber) = &mut self.chamber {

@@ -14,10 +14,10 @@ const MATERIAL: Material = Material::NeoHookean(NeoHookean { mu: 1.3 });
 const STEP: f64 = 1e-3;
 
 /// A clamped, pressurised shell near a plane, far from rest; its state; which unknowns are held.
-fn loaded(seed: u64) -> (ShellModel, Vec<f64>, Vec<bool>) {
+fn loaded(seed: u64) -> (PartModel, Vec<f64>, Vec<bool>) {
     let shell = TestShell::new(seed);
     let plane = PlaneSettings::new(Vec3::new(0.48, -0.6, 0.64), 5.0, 0.01);
-    let mut model = ShellModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &[plane]).unwrap();
+    let mut model = PartModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &[plane]).unwrap();
     let moved = shell.deformed.iter().zip(&shell.reference).map(|(x, rest)| x - rest);
     let mut u: Vec<f64> = moved.flat_map(|u| [u.x, u.y, u.z]).collect();
     let mut held = vec![false; u.len()];
@@ -36,17 +36,17 @@ fn loaded(seed: u64) -> (ShellModel, Vec<f64>, Vec<bool>) {
     (model, u, held)
 }
 
-fn energy_at(model: &mut ShellModel, u: &DVector<f64>) -> f64 {
+fn energy_at(model: &mut PartModel, u: &DVector<f64>) -> f64 {
     model.energy(u.as_slice()).unwrap()
 }
 
-fn residual_at(model: &mut ShellModel, u: &DVector<f64>) -> DVector<f64> {
+fn residual_at(model: &mut PartModel, u: &DVector<f64>) -> DVector<f64> {
     let mut residual = DVector::zeros(u.len());
     model.residual(u.as_slice(), residual.as_mut_slice()).unwrap();
     residual
 }
 
-fn tangent_at(model: &mut ShellModel, u: &DVector<f64>) -> DMatrix<f64> {
+fn tangent_at(model: &mut PartModel, u: &DVector<f64>) -> DMatrix<f64> {
     let pattern = model.pattern().clone();
     let mut values = vec![0.0; pattern.stored()];
     let mut residual = DVector::zeros(u.len());
@@ -144,7 +144,7 @@ fn free_shell_has_six_rigid_motions() {
     let eggs = [0, 1, 2].map(|seed| TestShell::new(seed).mesh);
     for mesh in eggs.iter().chain([&sphere]) {
         let free = Support::Unknowns(Vec::new());
-        let mut model = ShellModel::new(mesh, &MATERIAL, &free, &[]).unwrap();
+        let mut model = PartModel::new(mesh, &MATERIAL, &free, &[]).unwrap();
         let rest = DVector::zeros(model.unknowns());
         let residual = residual_at(&mut model, &rest).amax();
         assert!(residual < 1e-13 * model.force_scale(), "{residual:e}");
