@@ -5,6 +5,7 @@ mod patch;
 mod rings;
 mod shell;
 mod solid;
+pub mod tetrahedra;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
 pub use patch::{BoundaryEdge, Patch, Place, Side};
