@@ -1,6 +1,7 @@
 //! Which cells carry the computation? The shell mesh: control points, stencils, clamp and tip. The solid mesh: tetrahedra.
 
 mod from_field;
+mod locate;
 mod patch;
 mod rings;
 mod shell;
@@ -8,6 +9,7 @@ mod solid;
 pub mod tetrahedra;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
+pub use locate::Location;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
