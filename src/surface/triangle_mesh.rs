@@ -99,6 +99,26 @@ impl TriangleMesh {
         self.triangles.iter().map(number).collect()
     }
 
+    /// The triangles of one connected component over its vertices, both in their order.
+    #[must_use]
+    pub fn component(&self, component: u32) -> Self {
+        let of_component = |(triangle, number): (&[u32; 3], u32)| (number == component).then_some(*triangle);
+        let triangles: Vec<[u32; 3]> =
+            self.triangles.iter().zip(self.components()).filter_map(of_component).collect();
+        let mut numbers = vec![None; self.positions.len()];
+        triangles.iter().flatten().for_each(|&v| numbers[v as usize] = Some(0));
+        let mut positions = Vec::new();
+        for (number, &position) in numbers.iter_mut().zip(&self.positions) {
+            if number.is_some() {
+                *number = Some(positions.len() as u32);
+                positions.push(position);
+            }
+        }
+        let renumbered = |v: u32| numbers[v as usize].expect("a vertex of the component");
+        let triangles = triangles.into_iter().map(|t| t.map(renumbered)).collect();
+        Self { positions, triangles }
+    }
+
     /// The enclosed volume of each connected component, mm^3; negative for a void.
     #[must_use]
     pub fn component_volumes(&self) -> Vec<f64> {

@@ -43,6 +43,30 @@ pub fn remesh(
     field: Option<&dyn ScalarField>,
     settings: &RemeshSettings,
 ) -> Result<TriangleMesh, Rejected> {
+    remeshed(mesh, field, settings, false)
+}
+
+/// As [`remesh`], but necks of three edges may remain: tetrahedra can fill what no subdivision element stands on.
+///
+/// # Errors
+/// As [`remesh`].
+///
+/// # Panics
+/// As [`remesh`].
+pub fn remesh_with_necks(
+    mesh: &TriangleMesh,
+    field: Option<&dyn ScalarField>,
+    settings: &RemeshSettings,
+) -> Result<TriangleMesh, Rejected> {
+    remeshed(mesh, field, settings, true)
+}
+
+fn remeshed(
+    mesh: &TriangleMesh,
+    field: Option<&dyn ScalarField>,
+    settings: &RemeshSettings,
+    necks_may_remain: bool,
+) -> Result<TriangleMesh, Rejected> {
     let edge = settings.edge;
     assert!(edge > 0.0 && edge.is_finite(), "the edge must be a positive number, not {edge}");
     mesh.check_closed_manifold()?;
@@ -69,13 +93,15 @@ pub fn remesh(
     }
     let remeshed = work.into_mesh();
     let quality = SurfaceQuality::of(&remeshed)?;
-    check_resolved(&quality, mesh, edge)?;
+    let necks = if necks_may_remain { 0 } else { quality.neck_edges };
+    check_resolved(&quality, necks, mesh, edge)?;
     check_apart(&remeshed)?;
     Ok(remeshed)
 }
 
 fn check_resolved(
     quality: &SurfaceQuality,
+    neck_edges: usize,
     original: &TriangleMesh,
     edge: f64,
 ) -> Result<(), Rejected> {
@@ -89,18 +115,17 @@ fn check_resolved(
         + above(quality.edge_max, LONGEST * edge)
         + above(quality.dihedral_max, SHARPEST_FOLD)
         + above(volume_change.abs(), MOST_VOLUME_CHANGE)
-        + quality.neck_edges as f64 / 3.0;
+        + neck_edges as f64 / 3.0;
     if violation > 0.0 {
         let detail = format!(
             "with edges of {edge} mm: valence {}..{}, radius ratio from {:.2}, edges {:.2}..{:.2} mm, \
-             folds up to {:.0} degrees, {} edges on necks of three, volume {:+.1} %",
+             folds up to {:.0} degrees, {neck_edges} edges on necks of three, volume {:+.1} %",
             quality.valence_min,
             quality.valence_max,
             quality.radius_ratio_min,
             quality.edge_min,
             quality.edge_max,
             quality.dihedral_max,
-            quality.neck_edges,
             100.0 * volume_change,
         );
         return Err(Rejected::new(Room::Surface, "unresolved_surface", detail, violation));
