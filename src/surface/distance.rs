@@ -231,3 +231,92 @@ const DEEPEST: usize = 32;
 const SLACK: f64 = 1e-9;
 /// Nearer than this, mm, the direction to the nearest point is rounding.
 const ON_SURFACE: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::surface::test_fields::Analytic;
+
+    const HALF: Vec3 = Vec3::new(3.0, 2.0, 1.0);
+
+    fn brick() -> TriangleMesh {
+        let corner = |i: u32| Vec3::from_fn(|axis, _| if i >> axis & 1 == 1 { 1.0 } else { -1.0 });
+        let quads =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        TriangleMesh {
+            positions: (0..8).map(|i| corner(i).component_mul(&HALF)).collect(),
+            triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        }
+    }
+
+    fn distance_to_brick(p: Vec3) -> f64 {
+        let q = p.abs() - HALF;
+        q.sup(&Vec3::zeros()).norm() + q.max().min(0.0)
+    }
+
+    proptest! {
+        /// Nearest to faces, edges and corners alike; the tolerance is a few roundings.
+        #[test]
+        fn brick_has_its_closed_form(x in -6.0..6.0, y in -4.0..4.0, z in -3.0..3.0) {
+            let point = Vec3::new(x, y, z);
+            let (value, gradient) = SignedDistance::new(&brick()).unwrap().value_and_gradient(point);
+            assert_abs_diff_eq!(value, distance_to_brick(point), epsilon = 1e-14);
+            assert_relative_eq!(gradient.norm(), 1.0, max_relative = 1e-12);
+            // A step of 1e-6 mm from a kink mixes two slopes: looked at elsewhere.
+            let slopes = Analytic(distance_to_brick).value_and_gradient(point).1;
+            if (slopes.norm() - 1.0).abs() < 1e-6 {
+                // Differences of 1e-6 mm lose ten digits.
+                assert_abs_diff_eq!(gradient, slopes, epsilon = 1e-5);
+            }
+        }
+
+        /// The tree finds what a search of all triangles finds.
+        #[test]
+        fn tree_misses_nothing(x in -15.0..15.0, y in -15.0..15.0, z in -15.0..15.0) {
+            let (mesh, point) = (TriangleMesh::sphere(10.0, 3), Vec3::new(x, y, z));
+            let distance = SignedDistance::new(&mesh).unwrap();
+            let all = (0..mesh.triangles.len())
+                .map(|t| (point - nearest_on_triangle(point, mesh.corners(t)).0).norm())
+                .fold(f64::INFINITY, f64::min);
+            prop_assert_eq!(distance.value(point).abs(), all);
+            prop_assert_eq!(distance.within(point, all).0, distance.value(point));
+        }
+    }
+
+    /// Beyond the tip of a needle, a point is behind the plane of one of its faces: only the mean of the normals tells.
+    #[test]
+    fn tip_of_a_needle_is_inside_on_one_side_only() {
+        let base = |angle: f64| Vec3::new(angle.cos(), angle.sin(), 0.0);
+        let needle = TriangleMesh {
+            positions: vec![base(0.0), base(2.0), base(4.0), Vec3::new(4.0, 0.0, 9.0)],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+        };
+        let distance = SignedDistance::new(&needle).unwrap();
+        let tip = needle.positions[3];
+        let inward = (Vec3::zeros() - tip).normalize();
+        let is_behind = |point: Vec3, t: usize| {
+            needle.area_vector(t).dot(&(point - needle.corners(t)[0])) < 0.0
+        };
+        let mut behind_one = 0;
+        for i in 0..400 {
+            let angle = 0.1 * f64::from(i);
+            let direction =
+                Vec3::new(angle.cos(), (1.7 * angle).sin(), (0.6 * angle).cos()).normalize();
+            let point = tip + 0.2 * direction + 0.05 * inward;
+            let planes = (0..4).filter(|&t| is_behind(point, t)).count();
+            assert_eq!(distance.value(point) < 0.0, planes == 4, "{point}");
+            behind_one += usize::from((1..4).contains(&planes));
+        }
+        assert!(behind_one > 100, "{behind_one}");
+    }
+
+    #[test]
+    fn open_surfaces_have_no_inside() {
+        let mut mesh = brick();
+        mesh.triangles.pop();
+        assert_eq!(SignedDistance::new(&mesh).unwrap_err(), MeshDefect::OpenEdges { edges: 3 });
+    }
+}

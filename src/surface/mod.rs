@@ -18,16 +18,16 @@ mod quality;
 mod remesh;
 mod self_intersection;
 #[cfg(test)]
-mod test_fields;
+pub(crate) mod test_fields;
 mod triangle_mesh;
 
 pub use chamber::Chamber;
 pub use distance::SignedDistance;
 pub use half_edges::HalfEdges;
-pub use isosurface::isosurface;
+pub use isosurface::{interpolated_isosurface, isosurface};
 pub use mesh_defect::MeshDefect;
 pub use offset::{Filleted, Offset};
 pub use quality::{SurfaceQuality, radius_ratio};
-pub use remesh::{RemeshSettings, remesh, remesh_with_necks};
+pub use remesh::{Grading, RemeshSettings, remesh, remesh_graded};
 pub use self_intersection::intersecting_pairs;
 pub use triangle_mesh::TriangleMesh;

@@ -102,3 +102,63 @@ impl ScalarField for Filleted<'_> {
 
 /// Of distances, mm.
 const ROUNDING: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{TriangleMesh, interpolated_isosurface};
+
+    /// Two balls of radius 3 mm whose middles are 8 mm apart.
+    fn two_balls() -> SignedDistance {
+        let ball = TriangleMesh::sphere(3.0, 5);
+        let moved = |x: f64| TriangleMesh {
+            positions: ball.positions.iter().map(|p| p + Vec3::new(x, 0.0, 0.0)).collect(),
+            triangles: ball.triangles.clone(),
+        };
+        SignedDistance::new(&moved(-4.0).joined(&moved(4.0))).unwrap()
+    }
+
+    #[test]
+    fn lines_have_the_bits_of_points() {
+        let distance = two_balls();
+        for band in [0.3, 2.0] {
+            let level = Offset { distance: &distance, offset: 0.8, band };
+            for x in [-8.5, -3.0, 0.1, 4.0, 7.9] {
+                let origin = Vec3::new(x, 0.3, -9.0);
+                let mut line = [0.0; 60];
+                level.values_along_z(origin, 0.31, &mut line);
+                for (i, value) in line.iter().enumerate() {
+                    let point = origin + Vec3::new(0.0, 0.0, i as f64 * 0.31);
+                    assert_eq!(value.to_bits(), level.value(point).to_bits(), "{point}");
+                }
+            }
+        }
+    }
+
+    /// Balls of 3.8 mm leave a gap of 0.4 mm. A ball of 0.4 mm that touches both is sqrt(4.2^2 - 4^2) mm from their axis, and
+    /// reaches in to 0.4 mm less.
+    #[test]
+    fn gaps_are_filled_as_far_as_a_ball_does_not_enter() {
+        let distance = two_balls();
+        let (radius, step) = (0.4, 0.3);
+        let level = |offset| Offset { distance: &distance, offset, band: 2.0 };
+        let half = Vec3::new(10.0, 6.0, 6.0);
+        let core = interpolated_isosurface(&level(0.8 + radius), -half, half, step);
+        let core = SignedDistance::new(&core).unwrap();
+        let filleted = Filleted { offset: level(0.8), core: &core, radius, chord_error: 0.01 };
+        let reach = (4.2_f64.powi(2) - 16.0).sqrt() - radius;
+        let between = |rho: f64| filleted.value(Vec3::new(0.0, 0.6 * rho, 0.8 * rho));
+        // Chords of 0.3 mm in a groove of 0.4 mm cut off 0.03 mm; the gap's own wedge is 0.01 mm wide per 0.01 mm of chord error.
+        assert!(between(0.0) < 0.0 && between(reach - 0.1) < 0.0 && between(reach + 0.1) > 0.0);
+        assert!(level(0.8).value(Vec3::zeros()) > 0.0);
+        for point in
+            [Vec3::new(-8.0, 0.0, 0.2), Vec3::new(4.0, 3.0, -2.5), Vec3::new(5.0, 0.0, -3.6)]
+        {
+            assert_eq!(
+                filleted.value(point),
+                level(0.8).value(point),
+                "no fillet far from the gap"
+            );
+        }
+    }
+}

@@ -99,10 +99,22 @@ impl TriangleMesh {
         self.triangles.iter().map(number).collect()
     }
 
+    /// The triangles of both meshes, those of `other` last.
+    #[must_use]
+    pub fn joined(&self, other: &Self) -> Self {
+        let shift = self.positions.len() as u32;
+        let shifted = other.triangles.iter().map(|t| t.map(|v| v + shift));
+        Self {
+            positions: [self.positions.as_slice(), &other.positions].concat(),
+            triangles: self.triangles.iter().copied().chain(shifted).collect(),
+        }
+    }
+
     /// The triangles of one connected component over its vertices, both in their order.
     #[must_use]
     pub fn component(&self, component: u32) -> Self {
-        let of_component = |(triangle, number): (&[u32; 3], u32)| (number == component).then_some(*triangle);
+        let of_component =
+            |(triangle, number): (&[u32; 3], u32)| (number == component).then_some(*triangle);
         let triangles: Vec<[u32; 3]> =
             self.triangles.iter().zip(self.components()).filter_map(of_component).collect();
         let mut numbers = vec![None; self.positions.len()];
@@ -189,15 +201,6 @@ mod tests {
         }
     }
 
-    fn together(a: &TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
-        let shift = a.positions.len() as u32;
-        let shifted = b.triangles.iter().map(|t| t.map(|v| v + shift));
-        TriangleMesh {
-            positions: [a.positions.clone(), b.positions.clone()].concat(),
-            triangles: a.triangles.iter().copied().chain(shifted).collect(),
-        }
-    }
-
     #[test]
     fn measures_of_a_corner_tetrahedron() {
         let mesh = tetrahedron(Vec3::new(2.0, -1.0, 0.5));
@@ -215,7 +218,7 @@ mod tests {
     #[test]
     fn islands_are_counted_and_measured() {
         let far = tetrahedron(Vec3::new(9.0, 0.0, 0.0));
-        let mut pair = together(&tetrahedron(Vec3::zeros()), &far);
+        let mut pair = tetrahedron(Vec3::zeros()).joined(&far);
         pair.triangles.swap(1, 6);
         assert_eq!(pair.components(), [0, 1, 0, 0, 1, 1, 0, 1]);
         for volume in pair.component_volumes() {
