@@ -7,6 +7,7 @@ mod rings;
 mod shell;
 mod solid;
 pub mod tetrahedra;
+mod wall;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
 pub use locate::Location;
@@ -14,3 +15,4 @@ pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
 pub use solid::{FACE_EDGES, SolidMesh, TET_EDGES, TetMesh, WallSurfaces};
+pub use wall::{WallSettings, wall_surfaces};
