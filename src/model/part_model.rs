@@ -16,7 +16,7 @@ use super::contact::self_contact::Folds;
 use super::contact::{Faces, PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::element::{ElementPoints, Sample, SampledSurface, ascending, quadratic_shapes};
+use super::element::{ElementPoints, Sample, SampledSurface, ascending};
 use super::load::{ChamberPressure, EdgeMoment, FollowerLoads};
 use super::local::Term;
 use super::material::Material;
@@ -24,7 +24,7 @@ use super::stretch_bound::StretchBound;
 use super::system::{Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPattern, System};
 use super::tie::{Tied, Ties};
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{Location, ShellMesh, SolidMesh};
+use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
 use crate::surface::TriangleMesh;
 
 /// The energy of a loaded part over the displacements of its nodes.
