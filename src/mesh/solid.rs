@@ -91,6 +91,38 @@ impl SolidMesh {
             positions,
         }
     }
+
+    /// Nodes with `z` below `height` (mm), ascending.
+    #[must_use]
+    pub fn nodes_below(&self, height: f64) -> Vec<u32> {
+        let nodes = (0u32..).zip(&self.positions);
+        nodes.filter_map(|(node, x)| (x.z < height).then_some(node)).collect()
+    }
+
+    /// All unknowns of `nodes`, `3 node + axis`.
+    #[must_use]
+    pub fn unknowns_of(nodes: &[u32]) -> Vec<u32> {
+        nodes.iter().flat_map(|node| [3 * node, 3 * node + 1, 3 * node + 2]).collect()
+    }
+
+    /// All faces of the boundary, with normals out of the body.
+    pub fn faces(&self) -> impl Iterator<Item = [u32; 6]> {
+        let reversed = |&[a, b, c, bc, ca, ab]: &[u32; 6]| [a, c, b, bc, ab, ca];
+        self.outer.iter().copied().chain(self.chamber.iter().map(reversed))
+    }
+
+    /// The triangles between the corners of the boundary, and the node of each of their vertices `[vertices]`, ascending.
+    #[must_use]
+    pub fn boundary(&self) -> (TriangleMesh, Vec<u32>) {
+        let corners = |face: [u32; 6]| [face[0], face[1], face[2]];
+        let mut nodes: Vec<u32> = self.faces().flat_map(corners).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let vertex = |node: u32| nodes.partition_point(|&before| before < node) as u32;
+        let triangles = self.faces().map(|face| corners(face).map(vertex)).collect();
+        let positions = nodes.iter().map(|&node| self.positions[node as usize]).collect();
+        (TriangleMesh { positions, triangles }, nodes)
+    }
 }
 
 #[cfg(test)]

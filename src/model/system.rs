@@ -6,6 +6,8 @@
 //!
 //! Forces without a potential may be added to the residual: [`System::is_conservative`].
 
+use std::ops::Range;
+
 /// A state at which the energy is not defined: an element turned inside out, a wall behind the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("inadmissible state: {0}")]
@@ -99,9 +101,16 @@ pub trait System {
         false
     }
 
-    /// The number of negative pivots of the tangent at a stable equilibrium (0 unless there are multipliers).
+    /// The unknowns in which the energy of a stable equilibrium is largest, not least: the pressures of a mixed method.
+    ///
+    /// Where there are some, the energy is none to be lowered step by step, and Newton's method watches the residual.
+    fn multipliers(&self) -> Range<usize> {
+        0..0
+    }
+
+    /// The number of negative pivots of the tangent at a stable equilibrium: one for each multiplier.
     fn stable_negative_pivots(&self) -> usize {
-        0
+        self.multipliers().len()
     }
 
     /// Whether the residual is the energy's gradient and the tangent its whole derivative.

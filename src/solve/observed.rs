@@ -1,5 +1,7 @@
 //! A system with a clock, and a note of whether the line search found it defined anywhere.
 
+use std::ops::Range;
+
 use crate::math::cpu_seconds;
 use crate::model::system::{Inadmissible, SparsityPattern, System};
 
@@ -80,6 +82,10 @@ impl System for Observed<'_> {
 
     fn make_room(&mut self, x: &[f64]) -> bool {
         self.timed(|system| system.make_room(x))
+    }
+
+    fn multipliers(&self) -> Range<usize> {
+        self.system.multipliers()
     }
 
     fn stable_negative_pivots(&self) -> usize {

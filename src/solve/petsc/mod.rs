@@ -11,9 +11,12 @@
 
 mod library;
 
+use std::ops::Range;
+
 use self::library::{Driver, Factor, Inertia, Newton, Session};
+use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
-use super::shift::shifts;
+use super::shift::{mean_diagonal, shifts};
 use super::{
     EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes, SolverFailure,
     line_search,
@@ -87,6 +90,7 @@ impl EquilibriumSolver for Snes {
             threshold: settings.tolerance * system.force_scale(),
             stable_negative_pivots: system.stable_negative_pivots(),
             most_shifted: settings.most_shifted,
+            multipliers: system.multipliers(),
             system: Observed::new(system),
             tangent: &mut self.tangent,
             energy: f64::INFINITY,
@@ -135,7 +139,7 @@ impl EquilibriumSolver for Snes {
         let assembled = cpu_seconds();
         self.times.assembly += assembled - start;
         let session = Session::open()?;
-        let inertia = self.tangent.factorize(&session, 0.0)?;
+        let inertia = self.tangent.factorize(&session, 0.0, &(0..0))?;
         self.times.factorization += cpu_seconds() - assembled;
         self.linearized = inertia.is_some_and(|inertia| inertia.zero == 0);
         let lost = inertia.map(|inertia| inertia.negative + inertia.zero);
@@ -200,13 +204,16 @@ impl Tangent {
         &mut self,
         session: &Session,
         shift: f64,
+        multipliers: &Range<usize>,
     ) -> Result<Option<Inertia>, SolverFailure> {
         self.factor.factorize(session, |values| {
             for (value, &entry) in values.iter_mut().zip(&self.kept) {
                 *value = self.entries[entry];
             }
-            for &diagonal in &self.starts[..self.starts.len() - 1] {
-                values[diagonal] += shift;
+            for (i, &diagonal) in self.starts[..self.starts.len() - 1].iter().enumerate() {
+                if !multipliers.contains(&i) {
+                    values[diagonal] += shift;
+                }
             }
         })
     }
@@ -218,23 +225,20 @@ impl Tangent {
         session: &Session,
         negative: usize,
         unshifted: bool,
+        multipliers: &Range<usize>,
     ) -> Result<Option<f64>, SolverFailure> {
         let stable = |inertia: Option<Inertia>| {
             inertia.is_some_and(|inertia| inertia.negative <= negative && inertia.zero == 0)
         };
         let tried = if unshifted { 1 } else { usize::MAX };
-        for shift in shifts(self.mean_diagonal()).take(tried) {
-            if stable(self.factorize(session, shift)?) {
+        let diagonal = &self.starts[..self.starts.len() - 1];
+        let diagonal = diagonal.iter().map(|&start| self.entries[self.kept[start]]);
+        for shift in shifts(mean_diagonal(diagonal, multipliers)).take(tried) {
+            if stable(self.factorize(session, shift, multipliers)?) {
                 return Ok(Some(shift));
             }
         }
         Ok(None)
-    }
-
-    fn mean_diagonal(&self) -> f64 {
-        let diagonal = &self.starts[..self.starts.len() - 1];
-        let sum: f64 = diagonal.iter().map(|&start| self.entries[self.kept[start]].abs()).sum();
-        sum / diagonal.len() as f64
     }
 
     fn is_finite(&self) -> bool {
@@ -248,6 +252,7 @@ struct Drive<'a> {
     threshold: f64,
     stable_negative_pivots: usize,
     most_shifted: usize,
+    multipliers: Range<usize>,
     system: Observed<'a>,
     tangent: &'a mut Tangent,
     /// The energy at the iterate, mJ.
@@ -297,6 +302,7 @@ impl Newton for Drive<'_> {
             self.session,
             self.stable_negative_pivots,
             self.shifted == self.most_shifted,
+            &self.multipliers,
         )?;
         if shift.is_some() {
             self.tangent.factor.solve(self.session, b)?;
@@ -310,6 +316,9 @@ impl Newton for Drive<'_> {
     fn step(&mut self, x: &mut [f64], residual: &mut [f64], correction: &[f64]) -> bool {
         for (direction, correction) in self.direction.iter_mut().zip(correction) {
             *direction = -correction;
+        }
+        if !self.multipliers.is_empty() {
+            return self.step_within_bound(x, residual);
         }
         let slope = residual.iter().zip(&self.direction).map(|(r, d)| r * d).sum();
         self.system.forget_admissible();
@@ -334,6 +343,32 @@ impl Newton for Drive<'_> {
             _ => self.inadmissible = true,
         }
         !self.inadmissible
+    }
+}
+
+impl Drive<'_> {
+    /// Makes a step whose residual stays within bounds.
+    fn step_within_bound(&mut self, x: &mut [f64], residual: &mut [f64]) -> bool {
+        let bound = RESIDUAL_GROWTH * self.residual_norm.max(self.threshold);
+        self.inadmissible = true;
+        for length in line_search::cuts(self.system.longest_step(x, &self.direction)) {
+            for ((trial, x), dx) in self.trial.iter_mut().zip(&*x).zip(&self.direction) {
+                *trial = x + length * dx;
+            }
+            let evaluated = self.system.residual(&self.trial, &mut self.trial_residual);
+            let Ok(energy) = evaluated else { continue };
+            if all_finite(&self.trial_residual) {
+                self.inadmissible = false;
+                let square: f64 = self.trial_residual.iter().map(|r| r * r).sum();
+                if square.sqrt() <= bound {
+                    self.energy = energy;
+                    x.copy_from_slice(&self.trial);
+                    residual.copy_from_slice(&self.trial_residual);
+                    return true;
+                }
+            }
+        }
+        false
     }
 }
 
@@ -407,7 +442,7 @@ mod tests {
             let inertia = {
                 let session = Session::open().unwrap();
                 solver.tangent.entries[0] = -4.0;
-                solver.tangent.factorize(&session, 0.0).unwrap()
+                solver.tangent.factorize(&session, 0.0, &(0..0)).unwrap()
             };
             assert_eq!(inertia, Some(Inertia { negative: 1, zero: 0 }));
             solver
