@@ -1,12 +1,14 @@
 //! Which cells carry the computation? The shell mesh: control points, stencils, clamp and tip. The solid mesh: tetrahedra.
 
 mod from_field;
+mod layers;
 mod patch;
 mod rings;
 mod shell;
 mod solid;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
+pub use layers::unit_lattice;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
