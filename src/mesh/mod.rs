@@ -2,6 +2,7 @@
 
 mod from_field;
 mod layers;
+mod locate;
 mod patch;
 mod rings;
 mod shell;
@@ -9,6 +10,7 @@ mod solid;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
 pub use layers::unit_lattice;
+pub use locate::Location;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
