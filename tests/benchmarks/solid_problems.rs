@@ -44,11 +44,6 @@ impl Volume {
     }
 }
 
-/// The solvers that this program was built with.
-pub(crate) fn backends() -> impl Iterator<Item = Backend> {
-    [Backend::Native, Backend::Petsc].into_iter().filter(|backend| backend.is_built_in())
-}
-
 /// Rounding of a coordinate of a lattice, mm.
 const ROUNDING: f64 = 1e-9;
 
@@ -90,11 +85,6 @@ impl Problem {
         let nodes = self.mesh.nodes_where(|x| (x - place).norm() < 1e3 * ROUNDING);
         assert_eq!(nodes.len(), 1, "nodes at {place:?}");
         nodes[0] as usize
-    }
-
-    /// Cells.
-    pub(crate) fn cells(&self) -> usize {
-        self.mesh.tetrahedra.len()
     }
 }
 
@@ -203,8 +193,14 @@ fn sampled<const N: usize>(path: &Path) -> [&PathPoint; N] {
 /// Cook's membrane in plane strain, one cell thick; `n` cells along each side, finer towards the singular corner.
 pub(crate) fn cook(n: usize, volume: Volume) -> Problem {
     let thickness = 48.0 / n as f64;
+    // Cells are straight: the lattice is finer towards the corner, but not within a cell.
+    let graded = |x: f64| {
+        let cell = (x * n as f64).floor().min(n as f64 - 1.0);
+        let [low, high] = [cell, cell + 1.0].map(|k| (k / n as f64).powi(2));
+        low + (high - low) * (x * n as f64 - cell)
+    };
     let place = |x: Vec3| {
-        let (s, t) = (x.x * x.x, 1.0 - (1.0 - x.y).powi(2));
+        let (s, t) = (graded(x.x), 1.0 - graded(1.0 - x.y));
         Vec3::new(48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s), thickness * x.z)
     };
     let mesh = SolidMesh::block([n, n, 1], &place);
