@@ -7,6 +7,8 @@ mod patch;
 mod rings;
 mod shell;
 mod solid;
+pub mod tetrahedra;
+mod wall;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
 pub use layers::unit_lattice;
@@ -15,3 +17,4 @@ pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
 pub use solid::{FACE_EDGES, SolidMesh, TET_EDGES, TetMesh, WallSurfaces};
+pub use wall::{WallSettings, wall_surfaces};

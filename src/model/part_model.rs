@@ -25,6 +25,7 @@ use super::system::{Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPatter
 use super::tie::{Tied, Ties};
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::{Location, ShellMesh, SolidMesh};
+use crate::surface::TriangleMesh;
 
 /// The energy of a loaded part over the displacements of its nodes.
 #[derive(Clone, Debug)]
@@ -248,6 +249,13 @@ impl PartModel {
         let node = unknown / 3;
         let corner = || unknown - 3 * self.reference.len();
         self.displaced(u)[if node < self.reference.len() { node } else { corner() }]
+    }
+
+    /// The surface at rest that carries pressure and contact: of a Loop shell its limit surface, a facet for each quarter of a triangle.
+    #[must_use]
+    pub fn rest_surface(&self) -> TriangleMesh {
+        let SampledSurface { facets, .. } = &self.surface;
+        TriangleMesh { positions: self.surface.at(&self.reference), triangles: facets.clone() }
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
