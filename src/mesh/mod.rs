@@ -2,6 +2,7 @@
 
 mod curved;
 mod from_field;
+mod layers;
 mod locate;
 mod patch;
 mod rings;
@@ -11,6 +12,7 @@ pub mod tetrahedra;
 mod wall;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
+pub use layers::unit_lattice;
 pub use locate::Location;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};

@@ -206,6 +206,13 @@ impl PartModel {
         }
     }
 
+    /// Encloses another chamber, with stencils within those of elements.
+    pub(super) fn replace_chamber(&mut self, chamber: ChamberPressure) {
+        let chamber = Tied::new(chamber, &self.ties, &self.reference);
+        self.chamber_slots = self.assembler.slots(&chamber);
+        self.chamber = Some(chamber);
+    }
+
     /// Adds forces without a potential.
     pub(super) fn follow_with(&mut self, followers: FollowerLoads) {
         let term = Tied::new(followers, &self.ties, &self.reference);

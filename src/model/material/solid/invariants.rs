@@ -12,7 +12,7 @@
 use nalgebra::Matrix3;
 
 use super::super::{MooneyRivlin, NeoHookean, Yeoh};
-use super::SolidResponse;
+use super::{LOWER, SolidResponse, mirror};
 
 /// The coefficients of the formula above, MPa.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,9 +94,7 @@ impl Polynomial {
                     factor * block
                 });
             }
-            for (j, l) in [(0, 1), (0, 2), (1, 2)] {
-                moduli[j][l] = moduli[l][j].transpose();
-            }
+            mirror(moduli);
         }
         response
     }
@@ -120,20 +118,14 @@ impl Moduli {
     /// Writes the blocks on and below the diagonal.
     #[inline]
     fn write(&self, g: &Matrix3<f64>, moduli: &mut [[Matrix3<f64>; 3]; 3]) {
-        for j in 0..3 {
-            for l in 0..=j {
-                let (gj, gl) = (g.column(j), g.column(l));
-                let (mj, ml) = (self.mixed.column(j), self.mixed.column(l));
-                let block = &mut moduli[j][l];
-                for k in 0..3 {
-                    for i in 0..3 {
-                        block[(i, k)] =
-                            mj[i] * gl[k] + gj[i] * ml[k] + self.crossed * (gl[i] * gj[k]);
-                    }
-                }
-                if j == l {
-                    *block += Matrix3::from_diagonal_element(self.identity);
-                }
+        for [j, l] in LOWER {
+            let (gj, gl) = (g.column(j), g.column(l));
+            let (mj, ml) = (self.mixed.column(j), self.mixed.column(l));
+            moduli[j][l] = Matrix3::from_fn(|i, k| {
+                mj[i] * gl[k] + gj[i] * ml[k] + self.crossed * (gl[i] * gj[k])
+            });
+            if j == l {
+                moduli[j][l] += Matrix3::from_diagonal_element(self.identity);
             }
         }
     }
@@ -142,10 +134,8 @@ impl Moduli {
 /// Adds to the blocks on and below the diagonal.
 #[inline]
 fn add(moduli: &mut [[Matrix3<f64>; 3]; 3], block: impl Fn(usize, usize) -> Matrix3<f64>) {
-    for j in 0..3 {
-        for l in 0..=j {
-            moduli[j][l] += block(j, l);
-        }
+    for [j, l] in LOWER {
+        moduli[j][l] += block(j, l);
     }
 }
 
