@@ -164,12 +164,13 @@ impl Tangent {
         if matches!(self.solver, Solver::Factor(_)) {
             return Ok(inertia);
         }
+        let order = self.pattern.order();
         let solve = |b: &mut [f64]| match self.solve(session, b, lanczos::TOLERANCE) {
             Ok(true) => Ok(()),
             Ok(false) => Err(None),
             Err(failure) => Err(Some(failure)),
         };
-        match lanczos::lost_directions(self.pattern.order(), multipliers, solve) {
+        match lanczos::lost_directions(order, multipliers, solve) {
             Ok(lost) => Ok(Some(Inertia { negative: multipliers.len() + lost, zero: 0 })),
             Err(None) => Ok(None),
             Err(Some(failure)) => Err(failure),
