@@ -10,16 +10,18 @@ use super::closed_part::shell;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_path, write_surface, write_watches};
 use super::material::instability;
+use super::part::PartFiles;
 use super::provenance::Provenance;
-use super::scene_file::{PartFiles, SceneFile};
+use super::scene_file::SceneFile;
 use super::shape::watches_of_closed;
+use super::solid_part::{SolidPart, SolidReport};
 use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, stl, toml_file};
-use crate::math::cpu_seconds;
-use crate::mesh::ShellMesh;
+use crate::io::{OutputFolder, atomic, msh, stl, toml_file};
+use crate::math::{Rejected, cpu_seconds};
+use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
 use crate::solve::{Backend, Path as Walked, SolveTimes, follow};
@@ -35,7 +37,7 @@ struct Summary {
     tangent_angle_deg: f64,
     /// MPa.
     pressure: f64,
-    /// Enclosed by the mid-surface, mm^3.
+    /// Enclosed by the mid-surface, of a solid by the chamber, mm^3.
     volume_initial: f64,
     volume_final: f64,
     /// mJ.
@@ -54,6 +56,8 @@ struct Summary {
     solver: Backend,
     cpu_seconds: StageSeconds,
     surface: SurfaceQuality,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solid: Option<SolidReport>,
     provenance: Provenance,
 }
 
@@ -67,24 +71,33 @@ pub(super) fn run(
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
-    let source = scene.source(path, &OnDisk)?;
+    let source = scene.part.source(path, &OnDisk)?;
     if !source.is_actuator() {
         return simulate_shape::run(path, &scene, &source, out, json);
     }
     let mesh = shell(&scene, &source)?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
-    let meshing = cpu_seconds() - start;
 
     let planes = scene.plane_settings(scene.load_settings().pressure);
     let material = scene.material.material()?;
     instability(&material).iter().for_each(|line| warn(line));
-    let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes)
-        .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
+    let failed = |rejected: Rejected| anyhow!("{}: {rejected}", path.display());
+    let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes).map_err(failed)?;
     model.watch_folds(!scene.load.may_overlap);
     if let Some(settings) = scene.self_contact()? {
         model.keep_folds_apart(settings);
     }
+    let solid = match &scene.solid {
+        None => None,
+        Some(section) => {
+            Some(SolidPart::new(&model.rest_surface(), mesh.thickness, section)?.map_err(failed)?)
+        }
+    };
+    if let Some(solid) = &solid {
+        model = solid.model(&mesh, &material, &planes).map_err(failed)?;
+    }
+    let meshing = cpu_seconds() - start;
     let folder = OutputFolder::create_new(out)?;
     let (walked, times) = walk(&scene, &mut model)
         .with_context(|| path.display().to_string())
@@ -115,10 +128,14 @@ pub(super) fn run(
             rest: cpu_seconds() - start - meshing - times.assembly - times.factorization,
         },
         surface,
+        solid: solid.as_ref().map(|solid| solid.report.clone()),
         provenance: Provenance::of_this_process(),
     };
     atomic::write(&folder.file("scene.toml"), toml::to_string(&scene)?.as_bytes())?;
     write_surface(folder.path(), &mesh)?;
+    if let Some(solid) = &solid {
+        msh::write(&folder.file("wall.msh"), &solid.mesh)?;
+    }
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
     write_contact(folder.path(), &model, &walked.points)?;
     if !scene.watches.is_empty() {
@@ -161,6 +178,10 @@ impl PartFiles for OnDisk {
     fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh> {
         Ok(stl::read(path, stl::WELD_TOLERANCE)?)
     }
+
+    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
+        Ok(msh::read(path)?)
+    }
 }
 
 /// Reads a network file.
@@ -183,10 +204,11 @@ fn check_tip(mesh: &ShellMesh) -> anyhow::Result<()> {
 impl Summary {
     fn in_words(&self, out: &Path) -> String {
         let ending = self.walk.in_words();
+        let solid = self.solid.as_ref().map_or_else(String::new, |solid| solid.in_words() + "\n");
         let [x, y, z] = self.tip;
         format!(
             "{ending} at {:.4} MPa: tip moved by ({x:+.3}, {y:+.3}, {z:+.3}) mm, chord {:.2} deg, volume {:.1} -> {:.1} mm^3, plane force {:.3} N\n\
-             {} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
+             {solid}{} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
             self.pressure,
             self.angle_deg,
             self.volume_initial,

@@ -7,9 +7,10 @@ use serde::Serialize;
 
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_pictures, write_watches};
+use super::part::PartSource;
 use super::provenance::Provenance;
 use super::say;
-use super::scene_file::{PartSource, SceneFile};
+use super::scene_file::SceneFile;
 use super::shape::{Measured, Shape};
 use super::walk_summary::WalkSummary;
 use crate::fitness::stability;

@@ -44,9 +44,9 @@ impl Default for MeshSettings {
 }
 
 /// Grid step of the isosurface as a share of the edge; a finer grid only costs time.
-const GRID_SHARE: f64 = 2.0 / 3.0;
+pub(super) const GRID_SHARE: f64 = 2.0 / 3.0;
 /// Passes of the remesher; more change the quality by less than a percent.
-const REMESH_ITERATIONS: usize = 10;
+pub(super) const REMESH_ITERATIONS: usize = 10;
 /// The isosurface may have this many triangles: 40 times those of the default box full of pleats.
 const MOST_TRIANGLES: usize = 1_000_000;
 

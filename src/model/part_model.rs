@@ -16,7 +16,7 @@ use super::contact::self_contact::Folds;
 use super::contact::{Faces, PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::element::{ElementPoints, Sample, SampledSurface};
+use super::element::{ElementPoints, Sample, SampledSurface, ascending, quadratic_shapes};
 use super::load::{ChamberPressure, EdgeMoment, FollowerLoads};
 use super::local::Term;
 use super::material::Material;
@@ -25,8 +25,9 @@ use super::system::{
     Inadmissible, Layout, Limit, LimitKind, LoadedSystem, Multiplier, SparsityPattern, System,
 };
 use super::tie::{Tied, Ties};
-use crate::math::{Rejected, Vec3};
-use crate::mesh::{ShellMesh, SolidMesh};
+use crate::math::{Rejected, Room, Vec3};
+use crate::mesh::{Location, ShellMesh, SolidMesh};
+use crate::surface::TriangleMesh;
 
 /// The energy of a loaded part over the displacements of its nodes.
 #[derive(Clone, Debug)]
@@ -121,9 +122,30 @@ impl PartModel {
         Ok(model)
     }
 
-    /// Shows the displacements of `points` from now on.
-    pub fn show(&mut self, points: Vec<Sample>) {
-        self.shown = points;
+    /// Shows the displacements of the body at `points` (mm, at rest) from now on; `mesh` is that of the model.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a point lies far outside the body.
+    pub fn show(&mut self, mesh: &SolidMesh, points: &[Vec3]) -> Result<(), Rejected> {
+        let sample = |(location, point): (Option<Location>, &Vec3)| {
+            let Location { cell, barycentric } = location.ok_or_else(|| {
+                let detail = format!(
+                    "({:.3}, {:.3}, {:.3}) mm lies in no cell of the wall",
+                    point.x, point.y, point.z
+                );
+                Rejected::new(Room::Model, "outside_wall", detail, 1.0)
+            })?;
+            let weights = quadratic_shapes(&barycentric).map(|weight| [weight]);
+            let (nodes, weights) = ascending(&mesh.tetrahedra[cell], &weights);
+            Ok(Sample { nodes, weights: weights.iter().map(|[weight]| *weight).collect() })
+        };
+        self.shown = mesh
+            .locate(points)
+            .into_iter()
+            .zip(points)
+            .map(sample)
+            .collect::<Result<_, Rejected>>()?;
+        Ok(())
     }
 
     /// Places `planes` before the wall with `faces`.
@@ -222,6 +244,13 @@ impl PartModel {
         let node = unknown / 3;
         let corner = || unknown - 3 * self.reference.len();
         self.displaced(u)[if node < self.reference.len() { node } else { corner() }]
+    }
+
+    /// The surface at rest that carries pressure and contact: of a Loop shell its limit surface, a facet for each quarter of a triangle.
+    #[must_use]
+    pub fn rest_surface(&self) -> TriangleMesh {
+        let SampledSurface { facets, .. } = &self.surface;
+        TriangleMesh { positions: self.surface.at(&self.reference), triangles: facets.clone() }
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.

@@ -30,20 +30,27 @@ pub fn isosurface<F: ScalarField + ?Sized>(
     step: f64,
 ) -> TriangleMesh {
     let lattice = Lattice::sampled(field, lower, upper, step);
-    let crossings: Vec<Vec<(u32, Vec3)>> =
-        (0..lattice.nodes[0]).into_par_iter().map(|i| lattice.crossings(field, i)).collect();
+    lattice.surface(&|ends, values| zero_between(field, ends, values))
+}
 
-    let mut vertices = vec![u32::MAX; EDGES_PER_NODE * lattice.nodes.iter().product::<usize>()];
-    let mut positions = Vec::with_capacity(crossings.iter().map(Vec::len).sum());
-    for &(edge, position) in crossings.iter().flatten() {
-        vertices[edge as usize] = positions.len() as u32;
-        positions.push(position);
-    }
-    let triangles: Vec<Vec<[u32; 3]>> = (0..lattice.nodes[0])
-        .into_par_iter()
-        .map(|i| lattice.triangles(i, &vertices, &positions))
-        .collect();
-    TriangleMesh { positions, triangles: triangles.concat() }
+/// As [`isosurface`], but with vertices where the zero would be if the field were linear along each lattice edge, as a distance
+/// nearly is: no value but those at the lattice nodes is asked for. What comes within a step of the faces of the box is cut off
+/// roughly.
+///
+/// # Panics
+/// As [`isosurface`].
+#[must_use]
+pub fn interpolated_isosurface<F: ScalarField + ?Sized>(
+    field: &F,
+    lower: Vec3,
+    upper: Vec3,
+    step: f64,
+) -> TriangleMesh {
+    let lattice = Lattice::sampled(field, lower, upper, step);
+    lattice.surface(&|ends, [a, b]| {
+        let share = a / (a - b);
+        between(ends, if share.is_finite() { share } else { 0.5 })
+    })
 }
 
 /// Samples at cube corners and cube centres; `[x][y][z]` with z fastest, as many centres as corners (the
@@ -60,6 +67,9 @@ struct Lattice {
     corners: Vec<f64>,
     centres: Vec<f64>,
 }
+
+/// Where a lattice edge between two points with two values crosses the zero level.
+type Zero<'a> = dyn Fn([Vec3; 2], [f64; 2]) -> Vec3 + Sync + 'a;
 
 /// Edges owned by index `p`: three between corners, three between centres, eight from centre to corner.
 const EDGES_PER_NODE: usize = 14;
@@ -118,6 +128,24 @@ impl Lattice {
         samples
     }
 
+    /// The surface whose vertex on a lattice edge with `ends` and `values` of unlike sign is at `zero(ends, values)`.
+    fn surface(&self, zero: &Zero) -> TriangleMesh {
+        let crossings: Vec<Vec<(u32, Vec3)>> =
+            (0..self.nodes[0]).into_par_iter().map(|i| self.crossings(zero, i)).collect();
+
+        let mut vertices = vec![u32::MAX; EDGES_PER_NODE * self.nodes.iter().product::<usize>()];
+        let mut positions = Vec::with_capacity(crossings.iter().map(Vec::len).sum());
+        for &(edge, position) in crossings.iter().flatten() {
+            vertices[edge as usize] = positions.len() as u32;
+            positions.push(position);
+        }
+        let triangles: Vec<Vec<[u32; 3]>> = (0..self.nodes[0])
+            .into_par_iter()
+            .map(|i| self.triangles(i, &vertices, &positions))
+            .collect();
+        TriangleMesh { positions, triangles: triangles.concat() }
+    }
+
     fn corner_position(&self, p: usize) -> Vec3 {
         let [i, j, k] = self.index(p).map(|i| i as f64);
         self.first + Vec3::new(i, j, k).component_mul(&self.step)
@@ -142,14 +170,14 @@ impl Lattice {
     }
 
     /// The edges owned by slab `x = i` that change sign, each with its point on the zero level, mm.
-    fn crossings<F: ScalarField + ?Sized>(&self, field: &F, i: usize) -> Vec<(u32, Vec3)> {
+    fn crossings(&self, zero: &Zero, i: usize) -> Vec<(u32, Vec3)> {
         let mut crossings = Vec::new();
         for p in self.slab(i) {
             let (corner, centre) = (self.corners[p], self.centres[p]);
             let mut visit = |edge: usize, [(a, fa), (b, fb)]: [(Position, f64); 2]| {
                 if (fa < 0.0) != (fb < 0.0) {
                     let ends = [self.position(a), self.position(b)];
-                    let point = zero_between(field, ends, [fa, fb]);
+                    let point = zero(ends, [fa, fb]);
                     crossings.push(((EDGES_PER_NODE * p + edge) as u32, point));
                 }
             };
@@ -306,7 +334,12 @@ fn zero_between<F: ScalarField + ?Sized>(field: &F, ends: [Vec3; 2], values: [f6
         }
         replaced = Some(end);
     }
-    at(guess.clamp(NEAREST_TO_NODE, 1.0 - NEAREST_TO_NODE))
+    between(ends, guess)
+}
+
+/// The point at `share` of the way from end to end, but not at a node.
+fn between(ends: [Vec3; 2], share: f64) -> Vec3 {
+    ends[0] + share.clamp(NEAREST_TO_NODE, 1.0 - NEAREST_TO_NODE) * (ends[1] - ends[0])
 }
 
 /// Relative to the value at the inner end of a lattice edge, and to its length.

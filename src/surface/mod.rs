@@ -8,22 +8,26 @@
 //! thinner than the printer can make, is not judged here.
 
 mod chamber;
+mod distance;
 mod half_edges;
 mod isosurface;
 mod mesh_defect;
+mod offset;
 mod primitives;
 mod quality;
 mod remesh;
 mod self_intersection;
 #[cfg(test)]
-mod test_fields;
+pub(crate) mod test_fields;
 mod triangle_mesh;
 
 pub use chamber::Chamber;
+pub use distance::SignedDistance;
 pub use half_edges::HalfEdges;
-pub use isosurface::isosurface;
+pub use isosurface::{interpolated_isosurface, isosurface};
 pub use mesh_defect::MeshDefect;
+pub use offset::{Filleted, Offset};
 pub use quality::{SurfaceQuality, radius_ratio};
-pub use remesh::{RemeshSettings, remesh};
+pub use remesh::{Grading, RemeshSettings, remesh, remesh_graded};
 pub use self_intersection::intersecting_pairs;
 pub use triangle_mesh::TriangleMesh;

@@ -7,7 +7,7 @@ use crate::field::ScalarField;
 use crate::math::Vec3;
 
 /// A closure as a field; the gradient by central differences.
-pub(super) struct Analytic<F>(pub(super) F);
+pub(crate) struct Analytic<F>(pub(crate) F);
 
 impl<F: Fn(Vec3) -> f64 + Sync> ScalarField for Analytic<F> {
     fn value(&self, point: Vec3) -> f64 {
@@ -22,28 +22,28 @@ impl<F: Fn(Vec3) -> f64 + Sync> ScalarField for Analytic<F> {
 }
 
 /// The signed distance to a sphere about the origin.
-pub(super) fn sphere(radius: f64) -> impl ScalarField {
+pub(crate) fn sphere(radius: f64) -> impl ScalarField {
     Analytic(move |p: Vec3| p.norm() - radius)
 }
 
 /// The signed distance to a torus about the z axis.
-pub(super) fn torus(major: f64, minor: f64) -> impl ScalarField {
+pub(crate) fn torus(major: f64, minor: f64) -> impl ScalarField {
     Analytic(move |p: Vec3| (p.x.hypot(p.y) - major).hypot(p.z) - minor)
 }
 
 /// The part of `field`'s inside that lies in the box.
-pub(super) fn capped(field: impl ScalarField, lower: Vec3, upper: Vec3) -> impl ScalarField {
+pub(crate) fn capped(field: impl ScalarField, lower: Vec3, upper: Vec3) -> impl ScalarField {
     Analytic(move |p: Vec3| (lower - p).sup(&(p - upper)).max().max(field.value(p)))
 }
 
 /// A sum of cosines with random wave vectors and phases, positive outside a ball of radius 7.5 mm.
-pub(super) struct Ripples {
+pub(crate) struct Ripples {
     waves: Vec<(Vec3, f64)>,
 }
 
 impl Ripples {
     /// `waves`: the largest wave number times 8 mm.
-    pub(super) fn new(seed: u64, waves: f64) -> Self {
+    pub(crate) fn new(seed: u64, waves: f64) -> Self {
         let mut chance = ChaCha8Rng::seed_from_u64(seed);
         let mut component = || chance.random_range(-1.0..1.0) * waves / 8.0;
         let waves =

@@ -99,6 +99,38 @@ impl TriangleMesh {
         self.triangles.iter().map(number).collect()
     }
 
+    /// The triangles of both meshes, those of `other` last.
+    #[must_use]
+    pub fn joined(&self, other: &Self) -> Self {
+        let shift = self.positions.len() as u32;
+        let shifted = other.triangles.iter().map(|t| t.map(|v| v + shift));
+        Self {
+            positions: [self.positions.as_slice(), &other.positions].concat(),
+            triangles: self.triangles.iter().copied().chain(shifted).collect(),
+        }
+    }
+
+    /// The triangles of one connected component over its vertices, both in their order.
+    #[must_use]
+    pub fn component(&self, component: u32) -> Self {
+        let of_component =
+            |(triangle, number): (&[u32; 3], u32)| (number == component).then_some(*triangle);
+        let triangles: Vec<[u32; 3]> =
+            self.triangles.iter().zip(self.components()).filter_map(of_component).collect();
+        let mut numbers = vec![None; self.positions.len()];
+        triangles.iter().flatten().for_each(|&v| numbers[v as usize] = Some(0));
+        let mut positions = Vec::new();
+        for (number, &position) in numbers.iter_mut().zip(&self.positions) {
+            if number.is_some() {
+                *number = Some(positions.len() as u32);
+                positions.push(position);
+            }
+        }
+        let renumbered = |v: u32| numbers[v as usize].expect("a vertex of the component");
+        let triangles = triangles.into_iter().map(|t| t.map(renumbered)).collect();
+        Self { positions, triangles }
+    }
+
     /// The enclosed volume of each connected component, mm^3; negative for a void.
     #[must_use]
     pub fn component_volumes(&self) -> Vec<f64> {
@@ -169,15 +201,6 @@ mod tests {
         }
     }
 
-    fn together(a: &TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
-        let shift = a.positions.len() as u32;
-        let shifted = b.triangles.iter().map(|t| t.map(|v| v + shift));
-        TriangleMesh {
-            positions: [a.positions.clone(), b.positions.clone()].concat(),
-            triangles: a.triangles.iter().copied().chain(shifted).collect(),
-        }
-    }
-
     #[test]
     fn measures_of_a_corner_tetrahedron() {
         let mesh = tetrahedron(Vec3::new(2.0, -1.0, 0.5));
@@ -195,7 +218,7 @@ mod tests {
     #[test]
     fn islands_are_counted_and_measured() {
         let far = tetrahedron(Vec3::new(9.0, 0.0, 0.0));
-        let mut pair = together(&tetrahedron(Vec3::zeros()), &far);
+        let mut pair = tetrahedron(Vec3::zeros()).joined(&far);
         pair.triangles.swap(1, 6);
         assert_eq!(pair.components(), [0, 1, 0, 0, 1, 1, 0, 1]);
         for volume in pair.component_volumes() {

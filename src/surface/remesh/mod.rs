@@ -27,6 +27,22 @@ pub struct RemeshSettings {
     pub iterations: usize,
 }
 
+/// How triangles become smaller where the surface bends to one side, so that their chords stay near it.
+///
+/// ```text
+/// L = sqrt(6 e / k - 3 e^2), between the shortest edge and the one wanted; k: the curvature, e: the chord error
+/// ```
+/// Source: Dunyach, Vanderhaeghe, Barthe and Botsch (2013), Adaptive remeshing for real-time mesh deformation, Eurographics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grading {
+    /// The shortest edge wanted, mm.
+    pub shortest: f64,
+    /// The distance wanted between a triangle and the surface, mm.
+    pub chord_error: f64,
+    /// 1 where chords that cut off what the surface encloses count, -1 where those outside do.
+    pub side: f64,
+}
+
 /// `mesh`, a closed manifold, in triangles of edge `settings.edge` with its vertices on the zero level of
 /// `field`; without a field the vertices stay near their tangent planes, and flat detail is lost slowly.
 ///
@@ -43,6 +59,36 @@ pub fn remesh(
     field: Option<&dyn ScalarField>,
     settings: &RemeshSettings,
 ) -> Result<TriangleMesh, Rejected> {
+    remeshed(mesh, field, settings, None)
+}
+
+/// The zero level of `field` in triangles that are smaller where it bends; `mesh` is near it, a closed manifold.
+///
+/// Necks of three edges may remain: tetrahedra can fill what no subdivision element stands on.
+///
+/// # Errors
+/// As [`remesh`].
+///
+/// # Panics
+/// When a length is not a positive number.
+pub fn remesh_graded(
+    mesh: &TriangleMesh,
+    field: &dyn ScalarField,
+    settings: &RemeshSettings,
+    grading: &Grading,
+) -> Result<TriangleMesh, Rejected> {
+    let Grading { shortest, chord_error, .. } = *grading;
+    let is_length = |x: f64| x > 0.0 && x.is_finite();
+    assert!(is_length(shortest) && is_length(chord_error), "{grading:?} must be positive numbers");
+    remeshed(mesh, Some(field), settings, Some(grading))
+}
+
+fn remeshed(
+    mesh: &TriangleMesh,
+    field: Option<&dyn ScalarField>,
+    settings: &RemeshSettings,
+    grading: Option<&Grading>,
+) -> Result<TriangleMesh, Rejected> {
     let edge = settings.edge;
     assert!(edge > 0.0 && edge.is_finite(), "the edge must be a positive number, not {edge}");
     mesh.check_closed_manifold()?;
@@ -55,6 +101,9 @@ pub fn remesh(
     }
     let mut work = Workpiece::new(HalfEdges::try_from(mesh)?, &mesh.positions, field, edge);
     for _ in 0..settings.iterations {
+        if let Some(grading) = grading {
+            work.grade(grading);
+        }
         work.split_long();
         work.collapse_short();
         work.equalise_valence();
@@ -69,15 +118,18 @@ pub fn remesh(
     }
     let remeshed = work.into_mesh();
     let quality = SurfaceQuality::of(&remeshed)?;
-    check_resolved(&quality, mesh, edge)?;
+    let necks = if grading.is_some() { 0 } else { quality.neck_edges };
+    let shortest = grading.map_or(edge, |grading| grading.shortest);
+    check_resolved(&quality, necks, mesh, [shortest, edge])?;
     check_apart(&remeshed)?;
     Ok(remeshed)
 }
 
 fn check_resolved(
     quality: &SurfaceQuality,
+    neck_edges: usize,
     original: &TriangleMesh,
-    edge: f64,
+    [shortest, edge]: [f64; 2],
 ) -> Result<(), Rejected> {
     let volume_change = quality.volume / original.volume() - 1.0;
     let below = |value: f64, limit: f64| (1.0 - value / limit).max(0.0);
@@ -85,22 +137,21 @@ fn check_resolved(
     let violation = below(quality.valence_min as f64, *VALENCES.start() as f64)
         + above(quality.valence_max as f64, *VALENCES.end() as f64)
         + below(quality.radius_ratio_min, LEAST_RADIUS_RATIO)
-        + below(quality.edge_min, SHORTEST * edge)
+        + below(quality.edge_min, SHORTEST * shortest)
         + above(quality.edge_max, LONGEST * edge)
         + above(quality.dihedral_max, SHARPEST_FOLD)
         + above(volume_change.abs(), MOST_VOLUME_CHANGE)
-        + quality.neck_edges as f64 / 3.0;
+        + neck_edges as f64 / 3.0;
     if violation > 0.0 {
         let detail = format!(
             "with edges of {edge} mm: valence {}..{}, radius ratio from {:.2}, edges {:.2}..{:.2} mm, \
-             folds up to {:.0} degrees, {} edges on necks of three, volume {:+.1} %",
+             folds up to {:.0} degrees, {neck_edges} edges on necks of three, volume {:+.1} %",
             quality.valence_min,
             quality.valence_max,
             quality.radius_ratio_min,
             quality.edge_min,
             quality.edge_max,
             quality.dihedral_max,
-            quality.neck_edges,
             100.0 * volume_change,
         );
         return Err(Rejected::new(Room::Surface, "unresolved_surface", detail, violation));

@@ -6,12 +6,14 @@ use crate::surface::TriangleMesh;
 use crate::surface::half_edges::{HalfEdges, NONE, next};
 use crate::surface::quality::radius_ratio;
 
-use super::{LEAST_RADIUS_RATIO, VALENCES};
+use super::{Grading, LEAST_RADIUS_RATIO, VALENCES};
 
 /// A surface under remeshing; what edits have removed stays in the arrays, marked, until the end.
 pub(super) struct Workpiece<'a> {
     surface: HalfEdges,
     positions: Vec<Vec3>,
+    /// The edge length wanted at each vertex, mm.
+    sizes: Vec<f64>,
     field: Option<&'a dyn ScalarField>,
     edge: f64,
 }
@@ -23,7 +25,41 @@ impl<'a> Workpiece<'a> {
         field: Option<&'a dyn ScalarField>,
         edge: f64,
     ) -> Self {
-        Self { surface, positions: positions.to_vec(), field, edge }
+        let sizes = vec![edge; positions.len()];
+        Self { surface, positions: positions.to_vec(), sizes, field, edge }
+    }
+
+    /// Sets the edge length wanted at each vertex from the bends of its edges, changing by no more than half the way.
+    pub(super) fn grade(&mut self, grading: &Grading) {
+        let Grading { shortest, chord_error, side } = *grading;
+        let Some(field) = self.field else { return };
+        let vertices: Vec<u32> =
+            (0..self.positions.len() as u32).filter(|&v| self.is_used(v)).collect();
+        let mut normals = vec![Vec3::zeros(); self.positions.len()];
+        for &v in &vertices {
+            let gradient = field.value_and_gradient(self.positions[v as usize]).1;
+            normals[v as usize] = gradient.try_normalize(0.0).unwrap_or_default();
+        }
+        for &v in &vertices {
+            let bend = |w: u32| {
+                let [way, turn] =
+                    [&self.positions, &normals].map(|all| all[w as usize] - all[v as usize]);
+                side * turn.dot(&way) / way.norm_squared()
+            };
+            let curvature = self.surface.ring(v).map(bend).fold(1.0 / self.edge / 1e3, f64::max);
+            let chord = (6.0 * chord_error / curvature - 3.0 * chord_error.powi(2)).max(0.0).sqrt();
+            self.sizes[v as usize] = chord.clamp(shortest, self.edge);
+        }
+        for _ in 0..GRADING_PASSES {
+            for &v in &vertices {
+                let allowed = |w: u32| {
+                    let way = (self.positions[w as usize] - self.positions[v as usize]).norm();
+                    self.sizes[w as usize] + STEEPEST_GRADING * way
+                };
+                let least = self.surface.ring(v).map(allowed).fold(f64::INFINITY, f64::min);
+                self.sizes[v as usize] = self.sizes[v as usize].min(least);
+            }
+        }
     }
 
     /// Halves edges that are too long, until none is left or they have been halved eight times.
@@ -31,7 +67,7 @@ impl<'a> Workpiece<'a> {
         for _ in 0..8 {
             let before = self.positions.len();
             for h in 0..self.surface.origins.len() as u32 {
-                if self.is_edge(h) && self.length(h) > TOO_LONG * self.edge {
+                if self.is_edge(h) && self.length(h) > TOO_LONG * self.size(h) {
                     self.split(h);
                 }
             }
@@ -46,8 +82,8 @@ impl<'a> Workpiece<'a> {
         loop {
             let mut collapsed = false;
             for h in 0..self.surface.origins.len() as u32 {
-                if self.is_edge(h) && self.length(h) < TOO_SHORT * self.edge {
-                    collapsed |= self.collapse(h, TOO_LONG * self.edge);
+                if self.is_edge(h) && self.length(h) < TOO_SHORT * self.size(h) {
+                    collapsed |= self.collapse(h, TOO_LONG * self.size(h));
                 }
             }
             if !collapsed {
@@ -75,7 +111,7 @@ impl<'a> Workpiece<'a> {
     /// Moves each vertex along the surface to the middle of its neighbours, and onto the zero level.
     pub(super) fn relax(&mut self) {
         for v in 0..self.positions.len() as u32 {
-            if self.surface.outgoing[v as usize] == NONE {
+            if !self.is_used(v) {
                 continue;
             }
             let old = self.positions[v as usize];
@@ -103,7 +139,7 @@ impl<'a> Workpiece<'a> {
     pub(super) fn repair(&mut self) -> bool {
         let mut found = false;
         for v in 0..self.positions.len() as u32 {
-            if self.surface.outgoing[v as usize] == NONE {
+            if !self.is_used(v) {
                 continue;
             }
             let valence = self.surface.valence(v);
@@ -158,6 +194,17 @@ impl<'a> Workpiece<'a> {
         self.surface.is_live(h) && h < self.surface.twin(h)
     }
 
+    fn is_used(&self, v: u32) -> bool {
+        self.surface.outgoing[v as usize] != NONE
+    }
+
+    /// The edge length wanted at `h`.
+    fn size(&self, h: u32) -> f64 {
+        let ends = [self.surface.origin(h), self.surface.destination(h)];
+        let [a, b] = ends.map(|v| self.sizes[v as usize]);
+        a.min(b)
+    }
+
     fn length(&self, h: u32) -> f64 {
         let (a, b) = (self.surface.origin(h), self.surface.destination(h));
         (self.positions[b as usize] - self.positions[a as usize]).norm()
@@ -178,6 +225,7 @@ impl<'a> Workpiece<'a> {
 
     fn split(&mut self, h: u32) {
         let [a, b, _] = self.corners(h);
+        self.sizes.push(self.size(h));
         self.surface.split(h);
         self.positions.push((a + b) / 2.0);
     }
@@ -332,6 +380,9 @@ const LONGEST_REPAIR: f64 = 1.7;
 const FLAT_RADIUS_RATIO: f64 = 0.1;
 /// Above it a triangle may get worse by a relaxation.
 const GOOD_RADIUS_RATIO: f64 = 0.6;
+/// Growth of the edge length wanted, over the way.
+const STEEPEST_GRADING: f64 = 0.5;
+const GRADING_PASSES: usize = 4;
 const LEAST_COSINE: f64 = 0.35;
 /// A flip may make a crease of up to this 1 - cos.
 const FLATTEST_CREASE: f64 = 0.2;

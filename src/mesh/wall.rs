@@ -1,0 +1,331 @@
+//! The two faces of a wall of constant thickness around its middle.
+//!
+//! ```text
+//! outer: d = t / 2      chamber: d = -t / 2      d: signed distance to the mid-surface
+//! V = A t + t^3 / 12 int K dA                    where no folds meet; int K dA = 4 pi without handles
+//! ```
+//! Folds that overlap merge, as a printer would merge them: faces of levels never pass through themselves. Where the triangles
+//! cannot follow a face, between folds that nearly touch and in the wedge where they begin to merge, the gaps that a small ball
+//! cannot enter are filled (a morphological closing), and all else stays at its distance.
+//!
+//! Source: Steiner (1840) for the volume; Serra (1982), Image analysis and mathematical morphology, for the closing.
+
+use serde::{Deserialize, Serialize};
+
+use super::WallSurfaces;
+use super::from_field::{GRID_SHARE, REMESH_ITERATIONS};
+use crate::field::{GridSamples, ScalarField};
+use crate::math::{Rejected, Room, Vec3};
+use crate::surface::{
+    Filleted, Grading, Offset, RemeshSettings, SignedDistance, TriangleMesh,
+    interpolated_isosurface, intersecting_pairs, remesh_graded,
+};
+
+/// How finely the faces of a wall are meshed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WallSettings {
+    /// Edge length of the triangles, mm.
+    pub edge: f64,
+    /// Radius of the ball that must enter a gap, mm; half the width of the bead of a fine nozzle. A face that can be meshed
+    /// as it is keeps narrower gaps.
+    pub fillet: f64,
+}
+
+impl Default for WallSettings {
+    fn default() -> Self {
+        Self { edge: 2.0, fillet: 0.4 }
+    }
+}
+
+/// The faces of the wall of `thickness` (mm) around `mid`, a closed surface: closed, without self-intersections, apart.
+///
+/// Pieces of the chamber, and pockets outside that the wall encloses, become solid when they are smaller than 1 % of the
+/// volume: air does not reach them, and no printer could clear them.
+///
+/// # Errors
+/// [`Rejected`] with the reason `defective_surface` or `self_intersecting` when `mid` has no inside; `chamber_closed` when it is nowhere
+/// as far from its middle as the wall is thick (the violation is the share of that depth that lacks), `chamber_divided` or
+/// `enclosed_pocket` when larger pieces are cut off (their share of the volume), `wall_broken` when the triangles' chords leave
+/// less than a quarter of the wall on either side of its middle, or the faces pass through each other (the share that lacks);
+/// and as `remesh` does when triangles of this edge cannot follow a face.
+///
+/// # Panics
+/// When the thickness, the edge or the fillet is not a positive number.
+pub fn wall_surfaces(
+    mid: &TriangleMesh,
+    thickness: f64,
+    settings: &WallSettings,
+) -> Result<WallSurfaces, Rejected> {
+    let WallSettings { edge, fillet } = *settings;
+    let is_length = |x: f64| x > 0.0 && x.is_finite();
+    assert!(is_length(thickness), "the thickness must be a positive number, not {thickness}");
+    assert!(is_length(edge) && is_length(fillet), "{settings:?} must be positive numbers");
+    let distance = SignedDistance::new(mid)?;
+    let crossings = intersecting_pairs(mid).len();
+    if crossings > 0 {
+        let detail = format!("{crossings} pairs of triangles of the mid-surface cross");
+        let share = crossings as f64 / mid.triangles.len() as f64;
+        return Err(rejected("self_intersecting", detail, share));
+    }
+    let face = |offset| Face { distance: &distance, offset, edge, fillet };
+    let chamber = face(-0.5 * thickness).surface()?;
+    let outer = face(0.5 * thickness).surface()?;
+    let surfaces = WallSurfaces { outer, chamber };
+    check_whole(&surfaces, &distance, thickness)?;
+    Ok(surfaces)
+}
+
+/// One face of a wall.
+struct Face<'a> {
+    distance: &'a SignedDistance,
+    /// From the middle, mm; positive for the outer face.
+    offset: f64,
+    edge: f64,
+    fillet: f64,
+}
+
+impl Face<'_> {
+    fn surface(&self) -> Result<TriangleMesh, Rejected> {
+        let level = self.level(self.offset);
+        let plain = self.meshed(&level, GRID_SHARE * self.edge);
+        match plain {
+            Err(rejection) if rejection.reason != "chamber_closed" => self.filleted_surface(level),
+            plain => plain,
+        }
+    }
+
+    fn filleted_surface(&self, level: Offset) -> Result<TriangleMesh, Rejected> {
+        let step = CORE_STEP * self.fillet;
+        let beyond = self.offset + self.fillet.copysign(self.offset);
+        let core = self.main_piece(&self.level(beyond), beyond, step)?;
+        let core = SignedDistance::new(&core)?;
+        let chord_error = CHORD_ERROR * step;
+        let filleted = Filleted { offset: level, core: &core, radius: self.fillet, chord_error };
+        self.meshed(&filleted, GRID_SHARE * self.edge)
+    }
+
+    fn level(&self, offset: f64) -> Offset<'_> {
+        Offset { distance: self.distance, offset, band: 2.0 * self.edge }
+    }
+
+    fn meshed(&self, field: &dyn ScalarField, step: f64) -> Result<TriangleMesh, Rejected> {
+        let coarse = self.main_piece(field, self.offset, step)?;
+        let settings = RemeshSettings { edge: self.edge, iterations: REMESH_ITERATIONS };
+        let named =
+            |r: Rejected| Rejected { detail: format!("{}: {}", self.name(), r.detail), ..r };
+        let grading = Grading {
+            shortest: SHORTEST * self.edge,
+            chord_error: CHORD_SHARE * self.offset.abs(),
+            side: self.offset.signum(),
+        };
+        remesh_graded(&coarse, field, &settings, &grading).map_err(named)
+    }
+
+    /// The largest piece of the zero level of `field`, which lies at `offset` or nearer, from a lattice of `step` mm.
+    fn main_piece(
+        &self,
+        field: &dyn ScalarField,
+        offset: f64,
+        step: f64,
+    ) -> Result<TriangleMesh, Rejected> {
+        let (lower, upper) = self.distance.bounds();
+        let (lower, upper) = (lower.add_scalar(-offset), upper.add_scalar(offset));
+        if (0..3).any(|axis| lower[axis] >= upper[axis]) {
+            return Err(self.closed(offset));
+        }
+        let (lower, upper) = (lower.add_scalar(-step), upper.add_scalar(step));
+        let pieces = interpolated_isosurface(field, lower, upper, step);
+        let volumes = pieces.component_volumes();
+        let by_volume = |&a: &usize, &b: &usize| volumes[a].total_cmp(&volumes[b]);
+        let Some(main) = (0..volumes.len()).max_by(by_volume) else {
+            return Err(self.closed(offset));
+        };
+        let lesser = volumes.iter().map(|v| v.abs()).sum::<f64>() - volumes[main];
+        let share = lesser / volumes[main];
+        if share > MOST_CUT_OFF {
+            let count = volumes.len() - 1;
+            let share_of = format!("{count} of {:.1} % of the volume", 100.0 * share);
+            return Err(if self.offset > 0.0 {
+                rejected("enclosed_pocket", format!("pockets outside: {share_of}"), share)
+            } else {
+                rejected("chamber_divided", format!("pieces cut off: {share_of}"), share)
+            });
+        }
+        Ok(pieces.component(main as u32))
+    }
+
+    fn closed(&self, offset: f64) -> Rejected {
+        let (lower, upper) = self.distance.bounds();
+        let step = (upper - lower).max() / DEPTH_SAMPLES;
+        let counts = std::array::from_fn(|axis| ((upper - lower)[axis] / step) as usize + 1);
+        let samples = GridSamples::of(self.distance, lower, step, counts);
+        let depth = -samples.values.iter().copied().fold(0.0, f64::min);
+        let detail = format!("the middle of the wall is {depth:.2} mm deep, not {:.2} mm", -offset);
+        rejected("chamber_closed", detail, (1.0 + depth / offset).max(0.0))
+    }
+
+    fn name(&self) -> &str {
+        if self.offset > 0.0 { "outside" } else { "chamber" }
+    }
+}
+
+/// # Errors
+/// [`Rejected`] when the faces touch, or a facet of either is too near the middle of the wall.
+fn check_whole(
+    surfaces: &WallSurfaces,
+    distance: &SignedDistance,
+    thickness: f64,
+) -> Result<(), Rejected> {
+    let WallSurfaces { outer, chamber } = surfaces;
+    let least = |mesh: &TriangleMesh, side: f64| {
+        let of_facet = |t| {
+            let [a, b, c] = mesh.corners(t);
+            let points = [(a + b + c) / 3.0, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+            points
+                .map(|point| side * distance.value(point))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        };
+        (0..mesh.triangles.len()).map(of_facet).fold(f64::INFINITY, f64::min)
+    };
+    let share = least(outer, 1.0).min(least(chamber, -1.0)) / (0.5 * thickness);
+    if share < LEAST_SHARE {
+        let detail = format!(
+            "the faces come within {share:.2} half thicknesses of the middle of the wall, {LEAST_SHARE} allowed"
+        );
+        return Err(rejected("wall_broken", detail, LEAST_SHARE - share));
+    }
+    let crossings = intersecting_pairs(&outer.joined(chamber)).len();
+    if crossings > 0 {
+        let detail = format!("{crossings} pairs of triangles of the two faces cross");
+        let share = crossings as f64 / (outer.triangles.len() + chamber.triangles.len()) as f64;
+        return Err(rejected("wall_broken", detail, share));
+    }
+    Ok(())
+}
+
+fn rejected(reason: &str, detail: String, violation: f64) -> Rejected {
+    Rejected::new(Room::Mesh, reason, detail, violation)
+}
+
+/// Lattice step of a fillet's core, in radii: what the lattice misses of a gap, the ball closes.
+const CORE_STEP: f64 = 1.5;
+/// Of a core, in lattice steps: the sagitta of a step on a radius of 2.5 steps.
+const CHORD_ERROR: f64 = 0.05;
+/// Shortest edge wanted where a face bends, over the longest.
+const SHORTEST: f64 = 0.35;
+/// Chord error wanted, over half the thickness.
+const CHORD_SHARE: f64 = 0.2;
+/// Along the longest side of the part, where it has no chamber.
+const DEPTH_SAMPLES: f64 = 64.0;
+/// Share of the volume that may be cut off and becomes solid.
+const MOST_CUT_OFF: f64 = 0.01;
+/// What must be left of the wall on either side of its middle; a chord of 90 degrees around a rim leaves 0.7.
+const LEAST_SHARE: f64 = 0.25;
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use approx::assert_relative_eq;
+
+    use super::*;
+    use crate::surface::test_fields::Analytic;
+    use crate::surface::{SurfaceQuality, isosurface};
+
+    fn settings(edge: f64) -> WallSettings {
+        WallSettings { edge, ..WallSettings::default() }
+    }
+
+    fn volume(surfaces: &WallSurfaces) -> f64 {
+        surfaces.outer.volume() - surfaces.chamber.volume()
+    }
+
+    /// The zero level of a formula in a box of half sides 12 mm.
+    fn level(value: impl Fn(Vec3) -> f64 + Sync, step: f64) -> TriangleMesh {
+        isosurface(&Analytic(value), Vec3::repeat(-12.0), Vec3::repeat(12.0), step)
+    }
+
+    #[test]
+    fn faces_of_a_sphere_have_their_radii() {
+        let surfaces = wall_surfaces(&TriangleMesh::sphere(8.0, 4), 1.6, &settings(1.5)).unwrap();
+        for (mesh, radius) in [(&surfaces.outer, 8.8), (&surfaces.chamber, 7.2)] {
+            assert_eq!(mesh.check_closed_manifold(), Ok(()));
+            for p in &mesh.positions {
+                // Facets of the middle, with edges up to 0.65 mm, sag by h^2 / 6 R.
+                assert!((p.norm() - radius).abs() < 0.0089, "{} is not {radius}", p.norm());
+            }
+        }
+        // Chords of 1.5 mm take h^2 / 8 R times a half from both faces, which cancels but for a tenth.
+        let exact = 4.0 / 3.0 * PI * (8.8_f64.powi(3) - 7.2_f64.powi(3));
+        assert_relative_eq!(volume(&surfaces), exact, max_relative = 0.01);
+    }
+
+    /// `V = A t + pi t^3 / 3`: of a thick wall the second term is 6 %.
+    #[test]
+    fn wall_of_an_ellipsoid_has_steiner_s_volume() {
+        let mut mid = TriangleMesh::sphere(1.0, 4);
+        mid.positions.iter_mut().for_each(|p| p.component_mul_assign(&Vec3::new(9.0, 7.0, 8.0)));
+        let thickness: f64 = 6.0;
+        let surfaces = wall_surfaces(&mid, thickness, &settings(1.2)).unwrap();
+        let second = PI * thickness.powi(3) / 3.0;
+        let steiner = mid.area() * thickness + second;
+        // A tenth of the second term; chords of 1.2 mm are worth 0.2 % of the volume.
+        assert_relative_eq!(volume(&surfaces), steiner, epsilon = 0.1 * second);
+    }
+
+    /// A bellows whose grooves are 1.2 mm wide: walls of 1.6 mm fill them, and the outside is a tube with shallow notches.
+    #[test]
+    fn folds_that_overlap_merge() {
+        let bellows = |p: Vec3| {
+            let rho = p.x.hypot(p.y) - 7.0 - 1.5 * (2.0 * PI * p.z / 2.4).cos().clamp(-0.7, 0.7);
+            rho.max(p.z.abs() - 9.0)
+        };
+        let mid = level(bellows, 0.3);
+        let distance = SignedDistance::new(&mid).unwrap();
+        let surfaces = wall_surfaces(&mid, 1.6, &settings(1.5)).unwrap();
+        assert!(intersecting_pairs(&surfaces.outer.joined(&surfaces.chamber)).is_empty());
+        let quality = SurfaceQuality::of(&surfaces.outer).unwrap();
+        assert_eq!(quality.genus, 0);
+        let crest = 7.0 + 1.5 * 0.7 + 0.8;
+        for p in surfaces.outer.positions.iter().filter(|p| p.z.abs() < 8.0) {
+            // Notches: circles of radius 0.8 mm around crests that are 1.2 mm wide and 1.2 mm apart meet 0.53 mm deep.
+            assert!(p.x.hypot(p.y) > crest - 0.6, "{p} is in a groove");
+        }
+        for p in &surfaces.outer.positions {
+            // A vertex may be left where it was when it is within 5 % of an edge.
+            assert!(distance.value(*p) > 0.8 - 0.05 * 1.5, "{p} is inside the wall");
+        }
+    }
+
+    #[test]
+    fn each_failure_has_its_reason_and_size() {
+        let ball = |p: Vec3, x: f64, radius: f64| (p - Vec3::new(x, 0.0, 0.0)).norm() - radius;
+        let tube = |p: Vec3, radius: f64| p.y.hypot(p.z) - radius;
+        let rejected = |mid: &TriangleMesh, thickness, reason: &str, violation: f64| {
+            let rejection = wall_surfaces(mid, thickness, &settings(1.5)).unwrap_err();
+            assert_eq!(rejection.reason, reason, "{rejection}");
+            // The lattices of 1 mm lose up to 5 % of a small ball's radius.
+            assert_relative_eq!(rejection.violation, violation, max_relative = 0.15);
+        };
+        rejected(&TriangleMesh::sphere(2.0, 3), 5.0, "chamber_closed", 1.0 - 2.0 / 2.5);
+        let dumbbell = |p| {
+            let channel = tube(p, 0.6).max(p.x.abs() - 6.0);
+            ball(p, -6.0, 4.0).min(ball(p, 6.0, 3.0)).min(channel)
+        };
+        let share = (2.2_f64 / 3.2).powi(3);
+        rejected(&level(dumbbell, 0.3), 1.6, "chamber_divided", share);
+        let bottle = |p| {
+            let channel = tube(p, 0.6).max(-p.x);
+            ball(p, 0.0, 10.0).max(-ball(p, 0.0, 5.0).min(channel))
+        };
+        let share = (4.2_f64 / 10.8).powi(3);
+        rejected(&level(bottle, 0.3), 1.6, "enclosed_pocket", share);
+        let balls = TriangleMesh::sphere(5.0, 3);
+        let mut moved = balls.clone();
+        moved.positions.iter_mut().for_each(|p| p.x += 7.0);
+        let rejection = wall_surfaces(&balls.joined(&moved), 1.6, &settings(1.5)).unwrap_err();
+        assert_eq!(rejection.reason, "self_intersecting");
+    }
+}
