@@ -35,6 +35,14 @@ impl Job {
         })
     }
 
+    /// Ends all its processes where there are several: one that only left would be waited for.
+    pub fn abort(self) {
+        #[cfg(feature = "petsc")]
+        if self.ranks > 1 {
+            super::petsc::abort();
+        }
+    }
+
     /// Whether this is the process that writes and prints.
     #[must_use]
     pub fn is_first(self) -> bool {

@@ -18,6 +18,7 @@ mod rows;
 mod shared;
 mod tangent;
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 use self::library::{Driver, Newton, Session};
@@ -78,6 +79,10 @@ impl Snes {
         let session = Session::open()?;
         let start = cpu_seconds();
         let order = pattern.order();
+        if session.rank().1 > 1 && !session.is_same(digest(pattern)) {
+            let message = "the ranks of the job do not have the same system".to_owned();
+            return Err(SolverFailure { library: "PETSc", message });
+        }
         let plan = Plan::of_order(&session, order, method);
         let tangent =
             plan.as_ref().map(|plan| Tangent::new(&session, pattern, plan)).transpose()?;
@@ -117,9 +122,22 @@ impl Snes {
     }
 }
 
+/// A number that another `pattern` is unlikely to have.
+fn digest(pattern: &SparsityPattern) -> u32 {
+    let mut hasher = DefaultHasher::new();
+    pattern.column_starts.hash(&mut hasher);
+    pattern.row_indices.hash(&mut hasher);
+    hasher.finish() as u32
+}
+
 /// The number of this process among those of its job, and how many these are; starts PETSc.
 pub(super) fn rank() -> Result<(usize, usize), SolverFailure> {
     Ok(Session::open()?.rank())
+}
+
+/// Ends all processes of the job.
+pub(super) fn abort() {
+    library::abort();
 }
 
 impl EquilibriumSolver for Snes {
@@ -455,4 +473,21 @@ mod tests {
         });
         drop(thread.join().unwrap());
     }
+}
+
+/// The suite again, for matrices and vectors that are spread over ranks: over the one there is.
+#[cfg(test)]
+mod tests_together {
+    use super::*;
+    use crate::solve::solver_suite::solver_suite;
+
+    solver_suite!(|pattern| {
+        let rows = rows::Rows::new(None, pattern.order(), 0, 1);
+        let session = Session::open().unwrap();
+        let exchange = library::Exchange::new(&session, rows).unwrap();
+        let plan = Plan::Together { exchange: exchange.into(), layout: None };
+        let tangent = Some(Tangent::new(&session, pattern, &plan).unwrap());
+        drop(session);
+        Snes { plan: Some(plan), tangent, ..Snes::new(pattern).unwrap() }
+    });
 }

@@ -86,6 +86,12 @@ impl Session {
         }
         (count(rank), count(ranks))
     }
+
+    /// Whether all ranks have the same `digest`.
+    pub(super) fn is_same(&self, digest: u32) -> bool {
+        // SAFETY: the lock is held, and MPI is running.
+        unsafe { sys::petsc_sys_same(sys::petsc_sys_comm_world(), digest.into()) != 0 }
+    }
 }
 
 impl Drop for Session {
@@ -156,9 +162,14 @@ fn abort_on_panic() {
     let say = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         say(panic);
-        // SAFETY: MPI allows this call from any thread while it runs.
-        unsafe { sys::MPI_Abort(sys::petsc_sys_comm_world(), 1) };
+        abort();
     }));
+}
+
+/// Ends all ranks at once, this one too.
+pub(super) fn abort() {
+    // SAFETY: MPI allows this call from any thread while it runs.
+    unsafe { sys::MPI_Abort(sys::petsc_sys_comm_world(), 1) };
 }
 
 extern "C" fn finish() {
