@@ -73,6 +73,25 @@ impl TaylorHood {
         (0..self.cells.len()).flat_map(|s| self.shapes(s)).flatten().map(|shape| shape.dv).sum()
     }
 
+    /// Of each of `pressures`, about `-B A^-1 B^T + C` on the diagonal, sign changed: `(1 / mu + 1 / kappa) unit^2 int L_a^2 dV`,
+    /// N/mm. Source: Silvester & Wathen (1994), for the Stokes equations.
+    #[must_use]
+    pub fn pressure_complements(&self, pressures: usize) -> Vec<f64> {
+        let first = self.reference.len();
+        let compliance = self.law.shear_modulus().recip() + self.compliance();
+        let scale = compliance * self.pressure_unit * self.pressure_unit;
+        let mut sums = vec![0.0; pressures];
+        for (s, stencil) in self.stencils.iter().enumerate() {
+            for Shapes { corners, dv, .. } in self.shapes(s).flatten() {
+                for (&node, l) in stencil[NODES..].iter().zip(corners) {
+                    sums[node as usize - first] += scale * dv * l * l;
+                }
+            }
+        }
+        // A corner of no cell has a held pressure.
+        sums.into_iter().map(|sum| if sum > 0.0 { sum } else { 1.0 }).collect()
+    }
+
     /// What the shape functions are at the points of quadrature of cell `s`; none where the cell is inverted at rest.
     fn shapes(&self, s: usize) -> impl Iterator<Item = Option<Shapes>> {
         let Cell { nodes, corners } = self.cells[s];
