@@ -93,9 +93,7 @@ pub(super) fn run(
     }
     let solid = match &scene.solid {
         None => None,
-        Some(section) => {
-            Some(SolidPart::new(&model.rest_surface(), mesh.thickness, section)?.map_err(failed)?)
-        }
+        Some(section) => Some(SolidPart::new(&model, mesh.thickness, section)?.map_err(failed)?),
     };
     if let Some(solid) = &solid {
         model = solid.model(&mesh, &material, &planes).map_err(failed)?;

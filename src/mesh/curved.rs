@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Flat facets cut corners: a wall between them bends about a tenth less than the smooth one where their edges are as long as it is
-//! thick. Where the faces have creases or fillets, edges stay straight; so they do where a cell would become too distorted.
+//! thick. Where the faces have creases or fillets, edges stay straight; where a cell would become too distorted they go half the way, or
+//! half of that, or stay.
 
 use std::collections::BTreeSet;
 
@@ -20,6 +21,8 @@ const ON_FACE: f64 = 0.05;
 const FURTHEST: f64 = 0.2;
 /// Steps to the face; a distance is linear along the way, so the second is a check.
 const STEPS: usize = 3;
+/// How often the way of a midpoint is halved before it is put back.
+const HALVINGS: usize = 3;
 /// The least that a cell may shrink locally, and the most that it may grow, against its straight one.
 const LEAST_VOLUME: f64 = 0.25;
 
@@ -50,26 +53,37 @@ impl SolidMesh {
                 moved.insert(node);
             }
         }
-        while self.straighten_distorted(&straight, &mut moved) {}
+        for _ in 0..HALVINGS {
+            if !self.straighten_distorted(&straight, &moved, 0.5) {
+                return moved.len();
+            }
+        }
+        while self.straighten_distorted(&straight, &moved, 0.0) {}
+        moved.retain(|&node| self.positions[node as usize] != straight[node as usize]);
         moved.len()
     }
 
-    /// Puts the moved midpoints of distorted cells back; whether there were any.
-    fn straighten_distorted(&mut self, straight: &[Vec3], moved: &mut BTreeSet<u32>) -> bool {
-        let mut any = false;
+    /// Leaves the moved midpoints of distorted cells only `share` of their way; whether there were any.
+    fn straighten_distorted(
+        &mut self,
+        straight: &[Vec3],
+        moved: &BTreeSet<u32>,
+        share: f64,
+    ) -> bool {
+        let mut back = BTreeSet::new();
         for cell in &self.tetrahedra {
-            let is_moved = |node: &&u32| moved.contains(*node);
-            if !cell[4..].iter().any(|node| is_moved(&node)) || is_sound(cell, &self.positions) {
-                continue;
-            }
-            let back: Vec<u32> = cell[4..].iter().filter(is_moved).copied().collect();
-            for node in back {
-                self.positions[node as usize] = straight[node as usize];
-                moved.remove(&node);
-                any = true;
+            let is_moved = |&node: &u32| {
+                moved.contains(&node) && self.positions[node as usize] != straight[node as usize]
+            };
+            if cell[4..].iter().any(is_moved) && !is_sound(cell, &self.positions) {
+                back.extend(cell[4..].iter().copied().filter(is_moved));
             }
         }
-        any
+        for &node in &back {
+            let start = straight[node as usize];
+            self.positions[node as usize] = start + share * (self.positions[node as usize] - start);
+        }
+        !back.is_empty()
     }
 }
 

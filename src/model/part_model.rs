@@ -253,11 +253,13 @@ impl PartModel {
         self.displaced(u)[if node < self.reference.len() { node } else { corner() }]
     }
 
-    /// The surface at rest that carries pressure and contact: of a Loop shell its limit surface, a facet for each quarter of a triangle.
+    /// The surface at rest that carries pressure and contact, in facets of about `edge` (mm): of a Loop shell its limit surface, of
+    /// quadratic pieces.
     #[must_use]
-    pub fn rest_surface(&self) -> TriangleMesh {
-        let SampledSurface { facets, .. } = &self.surface;
-        TriangleMesh { positions: self.surface.at(&self.reference), triangles: facets.clone() }
+    pub fn rest_surface(&self, edge: f64) -> TriangleMesh {
+        let coarse = self.surface.quadratic(&self.reference, 1);
+        let mean = (coarse.area() / (0.433 * coarse.triangles.len() as f64)).sqrt();
+        self.surface.quadratic(&self.reference, (mean / edge).ceil().max(2.0) as usize)
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
