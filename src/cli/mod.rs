@@ -43,7 +43,7 @@ use self::verify::Selection;
 use self::verify_cases::{CURVES, SHELLS};
 use self::verify_files::SceneFolder;
 use crate::mesh::ShellElement;
-use crate::solve::Backend;
+use crate::solve::{Backend, Job};
 
 /// Designs pneumatic soft actuators by evolution.
 #[derive(Debug, Parser)]
@@ -249,10 +249,18 @@ pub fn run() -> ExitCode {
         Ok(arguments) => arguments,
         Err(usage) => return answer(&usage),
     };
-    match dispatch(arguments.command) {
+    let job = match Job::join() {
+        Ok(job) => job,
+        Err(error) => {
+            warn(&one_line(&error.into()));
+            return ExitCode::FAILURE;
+        }
+    };
+    match dispatch(arguments.command, job) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             warn(&one_line(&error));
+            job.abort();
             ExitCode::FAILURE
         }
     }
@@ -283,7 +291,9 @@ fn answer(usage: &clap::Error) -> ExitCode {
     if usage.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
 }
 
-fn dispatch(command: Command) -> anyhow::Result<()> {
+fn dispatch(command: Command, job: Job) -> anyhow::Result<()> {
+    let is_shared = matches!(command, Command::Simulate { print_defaults: false, .. });
+    anyhow::ensure!(job.ranks == 1 || is_shared, "only `simulate` runs on several ranks");
     match command {
         Command::Evolve { print_defaults: true, .. } => {
             say(&run_file::defaults());
@@ -298,7 +308,7 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
             evolve::run(&run, &out, resume, threads, solver.map(Backend::from))
         }
         Command::Simulate { scene, out, solver, json, threads, .. } => on_threads(threads, || {
-            simulate::run(&given(scene), &given(out), solver.map(Backend::from), json)
+            simulate::run(&given(scene), &given(out), solver.map(Backend::from), json, job)
         }),
         Command::Certify { run, networks, random, out, threads, solver } => {
             certify::run(&run, &networks, random, &out, threads, solver.map(Backend::from))

@@ -10,9 +10,7 @@ use super::part::Part;
 use super::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PinSection, check_patch_pressure,
 };
-use super::run_file::{
-    SolverSection, check_distance, check_mesh, check_normal, check_shell, check_solver,
-};
+use super::run_file::{check_distance, check_mesh, check_normal, check_shell, check_solver};
 use super::solid_part::SolidSection;
 use super::verify_section::{MeshSize, VerifySection};
 use super::watch::{WatchSection, Watchable};
@@ -22,7 +20,7 @@ use crate::io::toml_file;
 use crate::math::Vec3;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::model::contact::{PlaneSettings, SelfContactSettings};
-use crate::solve::{Backend, PathSettings, Programme, Supply};
+use crate::solve::{Backend, LinearMethod, PathSettings, Programme, Supply};
 
 /// A scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -167,10 +165,25 @@ fn default_elastic_slip() -> f64 {
     PlaneSettings::new(Vec3::x(), 1.0, 1.0).elastic_slip
 }
 
+/// Which solver finds the equilibria, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SolverSection {
+    /// `native` or `petsc`.
+    #[serde(default = "default_backend")]
+    pub backend: Backend,
+    /// `auto`, `direct`, or `iterative` for a large solid.
+    #[serde(default)]
+    pub linear: LinearMethod,
+}
+
 /// PETSc where it is built in: a single scene has the process to itself.
+fn default_backend() -> Backend {
+    if Backend::Petsc.is_built_in() { Backend::Petsc } else { Backend::Native }
+}
+
 fn default_solver() -> SolverSection {
-    let backend = if Backend::Petsc.is_built_in() { Backend::Petsc } else { Backend::Native };
-    SolverSection { backend }
+    SolverSection { backend: default_backend(), linear: LinearMethod::Automatic }
 }
 
 impl SceneFile {
@@ -185,6 +198,11 @@ impl SceneFile {
     /// Checks everything that can be checked without the files it names.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         check_solver(self.solver.backend)?;
+        ensure!(
+            self.solver
+                != SolverSection { backend: Backend::Native, linear: LinearMethod::Iterative },
+            "[solver] linear = \"iterative\" is PETSc's; set backend = \"petsc\""
+        );
         check_shell(&self.wall, &self.load_settings())?;
         check_mesh(self.design_box, &self.mesh)?;
         self.material.material()?;

@@ -73,7 +73,7 @@ impl Shape {
         start: f64,
     ) -> anyhow::Result<Measured> {
         let largest = scene.load_settings();
-        let mut solver = backend.solver(self.model.pattern())?;
+        let mut solver = backend.solver_by(scene.solver.linear, self.model.pattern())?;
         let walked = if scene.load.linear {
             linear_step(&mut self.model, solver.as_mut(), largest.pressure)?
         } else {

@@ -8,7 +8,9 @@ use serde::Serialize;
 
 use super::closed_part::shell;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
-use super::design_folder::{write_json, write_path, write_surface, write_watches};
+use super::design_folder::{
+    write_json, write_path, write_solid_pictures, write_surface, write_watches,
+};
 use super::material::instability;
 use super::part::PartFiles;
 use super::provenance::Provenance;
@@ -19,12 +21,12 @@ use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, msh, stl, toml_file};
+use crate::io::{OutputFolder, atomic, msh, stl, toml_file, vtu_solid};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
-use crate::solve::{Backend, Path as Walked, SolveTimes, follow};
+use crate::solve::{Backend, Job, Path as Walked, SolveTimes, follow};
 use crate::surface::{SurfaceQuality, TriangleMesh};
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -61,19 +63,20 @@ struct Summary {
     provenance: Provenance,
 }
 
-/// Runs the scene at `path` and writes its results into the new folder `out`.
+/// Runs the scene at `path`; the first process of the `job` writes its results into the new folder `out`.
 pub(super) fn run(
     path: &Path,
     out: &Path,
     solver: Option<Backend>,
     json: bool,
+    job: Job,
 ) -> anyhow::Result<()> {
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
     let source = scene.part.source(path, &OnDisk)?;
     if !source.is_actuator() {
-        return simulate_shape::run(path, &scene, &source, out, json);
+        return simulate_shape::run(path, &scene, &source, out, json, job);
     }
     let mesh = shell(&scene, &source)?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
@@ -98,10 +101,12 @@ pub(super) fn run(
         model = solid.model(&mesh, &material, &planes).map_err(failed)?;
     }
     let meshing = cpu_seconds() - start;
-    let folder = OutputFolder::create_new(out)?;
-    let (walked, times) = walk(&scene, &mut model)
-        .with_context(|| path.display().to_string())
-        .inspect_err(|_| folder.remove_if_empty())?;
+    let folder = job.is_first().then(|| OutputFolder::create_new(out)).transpose()?;
+    let (walked, times) =
+        walk(&scene, &mut model).with_context(|| path.display().to_string()).inspect_err(|_| {
+            folder.iter().for_each(OutputFolder::remove_if_empty);
+        })?;
+    let Some(folder) = folder else { return Ok(()) };
     let rows = observations(&mesh, &model, &walked.points);
     let last = rows.last().expect("a walked path has its start");
     let summary = Summary {
@@ -135,6 +140,7 @@ pub(super) fn run(
     write_surface(folder.path(), &mesh)?;
     if let Some(solid) = &solid {
         msh::write(&folder.file("wall.msh"), &solid.mesh)?;
+        write_solid_pictures(folder.path(), "solid", &solid.mesh, &walked.points)?;
     }
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
     write_contact(folder.path(), &model, &walked.points)?;
@@ -154,7 +160,7 @@ pub(super) fn run(
 
 /// The path of a part that is stable at rest, and what it took.
 fn walk(scene: &SceneFile, model: &mut PartModel) -> anyhow::Result<(Walked, SolveTimes)> {
-    let mut solver = scene.solver.backend.solver(model.pattern())?;
+    let mut solver = scene.solver.backend.solver_by(scene.solver.linear, model.pattern())?;
     let load = scene.load_settings();
     model.set_stretch_bound(load.stretch_bound);
     let programme = scene.programme(model.volume(&vec![0.0; model.unknowns()]));
@@ -180,7 +186,8 @@ impl PartFiles for OnDisk {
     }
 
     fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
-        Ok(msh::read(path)?)
+        let is_vtu = path.extension().is_some_and(|extension| extension == "vtu");
+        Ok(if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? })
     }
 }
 

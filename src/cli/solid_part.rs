@@ -16,7 +16,7 @@ use crate::mesh::{ShellMesh, SolidMesh, WallSettings, wall_surfaces};
 use crate::model::PartModel;
 use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
-use crate::surface::TriangleMesh;
+use crate::surface::{SignedDistance, TriangleMesh};
 
 /// How a wall becomes tetrahedra, and what its answers say of the shell's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,6 +101,8 @@ pub(super) struct SolidReport {
     pub mesher: String,
     /// Edge length on the faces, mm.
     pub edge: f64,
+    /// Edges that follow the curved faces.
+    pub curved: usize,
     pub quality: TetQuality,
     pub attempts: Vec<AttemptReport>,
 }
@@ -147,8 +149,11 @@ impl SolidPart {
         match filled_wall(&surfaces, meshers, &section.settings(thickness)) {
             Ok(Filled { mesh, quality, mesher, edge, attempts }) => {
                 let attempts = attempts.into_iter().map(AttemptReport::from).collect();
-                let report = SolidReport { mesher, edge, quality, attempts };
-                Ok(Ok(Self { mesh: SolidMesh::straight(&mesh), report }))
+                let mut mesh = SolidMesh::straight(&mesh);
+                let distance = SignedDistance::new(middle)?;
+                let curved = mesh.curve(&distance, thickness);
+                let report = SolidReport { mesher, edge, curved, quality, attempts };
+                Ok(Ok(Self { mesh, report }))
             }
             Err(Unfilled::Rejected { rejected, .. }) => Ok(Err(rejected)),
             Err(Unfilled::Machine(what)) => Err(anyhow!(what)),

@@ -65,7 +65,7 @@ impl TetMesher for Gmsh {
             ["-3", "wall.geo", "-o", "filled.msh", "-format", "msh41", "-bin", "-nt", "1"];
         mesher::run(&self.program, "gmsh", &arguments, folder.path(), &self.limits)?;
         let raw = msh::parse(&mesher::read(&file("filled.msh"))?);
-        raw.and_then(|raw| raw.straight()).map_err(MesherFailure::Unreadable)
+        Ok(raw.map_err(MesherFailure::Unreadable)?.numbered()?.mesh)
     }
 }
 
@@ -112,4 +112,56 @@ fn surfaces(wall: &WallSurfaces) -> String {
         writeln!(text, "{number} 2 2 0 {surface} {a} {b} {c}").expect(MEMORY);
     }
     text + "$EndElements\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::tetrahedra::test_walls::{crossing, spheres};
+    use crate::mesh::tetrahedra::{TetQuality, check};
+    use crate::surface::TriangleMesh;
+
+    #[test]
+    fn walls_are_filled_and_their_surfaces_kept() {
+        for algorithm in [Algorithm::Hxt, Algorithm::Delaunay] {
+            let mut wall = spheres(10.0, 8.0, 2);
+            // Two triangles one above the other have corners on a common sphere, for which Delaunay has no unique answer.
+            let turn = nalgebra::Rotation3::from_euler_angles(0.3, 0.2, 0.1);
+            wall.chamber.positions.iter_mut().for_each(|x| *x = turn * *x);
+            let mesher = Gmsh::new(algorithm);
+            let mesh = mesher.tetrahedra(&wall, &[], &TetSettings::default()).unwrap();
+            check(&mesh, &wall).unwrap();
+            assert_eq!(mesh.outer.len(), wall.outer.triangles.len());
+            assert_eq!(mesh.chamber.len(), wall.chamber.triangles.len());
+            let quality = TetQuality::of(&mesh, &wall);
+            assert!(quality.dihedral_1_percent > 10.0, "{quality:?}");
+        }
+    }
+
+    /// Points given are among the vertices, to the last bit.
+    #[test]
+    fn interior_points_become_vertices() {
+        let wall = spheres(10.0, 8.0, 2);
+        let middle = TriangleMesh::sphere(9.0, 2).positions;
+        let mesher = Gmsh::new(Algorithm::Hxt);
+        let mesh = mesher.tetrahedra(&wall, &middle, &TetSettings::default()).unwrap();
+        check(&mesh, &wall).unwrap();
+        assert!(middle.iter().all(|point| mesh.positions.contains(point)));
+    }
+
+    #[test]
+    fn surfaces_that_cross_are_its_failure() {
+        let mesher = Gmsh::new(Algorithm::Hxt);
+        let answer = mesher.tetrahedra(&crossing(), &[], &TetSettings::default());
+        let failed = answer.map_or(true, |mesh| check(&mesh, &crossing()).is_err());
+        assert!(failed);
+    }
+
+    #[test]
+    fn a_missing_program_names_its_package() {
+        let absent = Gmsh { program: "no-such-gmsh".to_owned(), ..Gmsh::new(Algorithm::Hxt) };
+        let failure = absent.tetrahedra(&spheres(2.0, 1.0, 1), &[], &TetSettings::default());
+        let what = "there is no program `no-such-gmsh`; install the package gmsh".to_owned();
+        assert_eq!(failure, Err(MesherFailure::Machine(what)));
+    }
 }

@@ -17,6 +17,7 @@ pub mod stl;
 pub mod tetgen;
 pub mod toml_file;
 pub mod vtu;
+pub mod vtu_solid;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::math::Vec3;
+use crate::mesh::tetrahedra::{Numbered, TetDefect};
 use crate::mesh::{SolidMesh, TET_EDGES, TetMesh};
 
 /// Vertices, tetrahedra and marked triangles of a file.
@@ -19,20 +20,22 @@ pub(super) struct RawSolid {
 }
 
 impl RawSolid {
-    /// The mesh with straight edges.
+    /// The mesh with straight edges, its chamber where the triangles are marked.
     ///
     /// # Errors
-    /// One line when the tetrahedra do not fit together, or the chamber is not a closed part of their boundary.
-    pub(super) fn straight(&self) -> Result<TetMesh, String> {
-        Ok(self.numbered()?.0)
+    /// [`TetDefect`] when the tetrahedra do not fit together.
+    pub(super) fn numbered(&self) -> Result<Numbered, TetDefect> {
+        let is_chamber =
+            |face: [u32; 3]| self.chamber.as_ref().is_some_and(|chamber| chamber.contains(&face));
+        TetMesh::of_tetrahedra(&self.positions, &self.tetrahedra, is_chamber)
     }
 
     /// The quadratic mesh, with the file's midpoints where it has them.
     ///
     /// # Errors
-    /// As [`Self::straight`].
+    /// One line when the tetrahedra do not fit together, or the chamber is not a closed part of their boundary.
     pub(super) fn solid(&self) -> Result<SolidMesh, String> {
-        let (mesh, former) = self.numbered()?;
+        let Numbered { mesh, former } = self.with_chamber()?;
         let mut solid = SolidMesh::straight(&mesh);
         let ordered = |[v, w]: [u32; 2]| [v.min(w), v.max(w)];
         let mut given: HashMap<[u32; 2], u32> = HashMap::new();
@@ -64,14 +67,9 @@ impl RawSolid {
         position.ok_or_else(|| "a midpoint is not a node with finite coordinates".to_owned())
     }
 
-    /// The mesh, and the file's number of each vertex.
-    fn numbered(&self) -> Result<(TetMesh, Vec<u32>), String> {
-        let marked = self.chamber.as_ref();
-        let is_chamber = |face: [u32; 3]| marked.is_some_and(|chamber| chamber.contains(&face));
-        let numbered = TetMesh::of_tetrahedra(&self.positions, &self.tetrahedra, is_chamber)
-            .map_err(|defect| defect.to_string())?;
-        let mut mesh = numbered.mesh;
-        match marked {
+    fn with_chamber(&self) -> Result<Numbered, String> {
+        let Numbered { mut mesh, former } = self.numbered().map_err(|defect| defect.to_string())?;
+        match &self.chamber {
             None => mesh = mesh.with_chamber_found(),
             Some(marked) if marked.len() != mesh.chamber.len() => {
                 return Err(format!(
@@ -86,6 +84,6 @@ impl RawSolid {
             let closed = mesh.chamber_surface().check_closed_manifold();
             closed.map_err(|defect| format!("the chamber is not closed: {defect}"))?;
         }
-        Ok((mesh, numbered.former))
+        Ok(Numbered { mesh, former })
     }
 }

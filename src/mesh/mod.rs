@@ -1,5 +1,6 @@
 //! Which cells carry the computation? The shell mesh: control points, stencils, clamp and tip. The solid mesh: tetrahedra.
 
+mod curved;
 mod from_field;
 mod layers;
 mod locate;
@@ -16,5 +17,7 @@ pub use locate::Location;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
-pub use solid::{FACE_EDGES, SolidMesh, TET_EDGES, TetMesh, WallSurfaces};
+pub use solid::{
+    FACE_EDGES, SolidMesh, TET_EDGES, TetMesh, WallSurfaces, quadratic_shapes, quadratic_slopes,
+};
 pub use wall::{WallSettings, wall_surfaces};

@@ -74,6 +74,8 @@ pub struct Assembler {
     block_rows: Vec<u32>,
     /// Of the stencils at hand: one, or a chunk where there are several threads.
     evaluations: Vec<Evaluation>,
+    /// The nodes for which derivatives are wanted; empty: for all.
+    share: Vec<bool>,
 }
 
 /// One stencil's part of the sums.
@@ -138,6 +140,7 @@ impl Assembler {
             block_starts,
             block_rows,
             evaluations: vec![Evaluation::default()],
+            share: Vec::new(),
         }
     }
 
@@ -145,6 +148,15 @@ impl Assembler {
     #[must_use]
     pub fn nodes(&self) -> Nodes {
         self.nodes
+    }
+
+    /// From now on, derivatives leave out stencils without a node whose unknowns are in `share [unknowns]`.
+    pub fn set_share(&mut self, share: Option<&[bool]>) {
+        let nodes = 0..self.nodes.count();
+        self.share.clear();
+        if let Some(share) = share {
+            self.share.extend(nodes.map(|node| share[self.nodes.first_unknown(node)]));
+        }
     }
 
     /// The stored entries of the tangent.
@@ -236,7 +248,11 @@ impl Assembler {
         for first in (0..stencils.len()).step_by(size) {
             let chunk = &mut evaluations[..size.min(stencils.len() - first)];
             let evaluate = |(k, evaluation): (usize, &mut Evaluation)| {
-                evaluation.evaluate(term, first + k, positions, order);
+                if order == Order::Energy || self.shares(&stencils[first + k]) {
+                    evaluation.evaluate(term, first + k, positions, order);
+                } else {
+                    evaluation.energy = None;
+                }
             };
             if alone {
                 evaluate((0, &mut chunk[0]));
@@ -256,6 +272,11 @@ impl Assembler {
         }
         self.evaluations = evaluations;
         sum
+    }
+
+    /// Whether a node of `stencil` is in the share.
+    fn shares(&self, stencil: &[u32]) -> bool {
+        self.share.is_empty() || stencil.iter().any(|&node| self.share[node as usize])
     }
 
     fn block_range(&self, column: u32) -> Range<usize> {

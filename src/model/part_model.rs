@@ -16,15 +16,17 @@ use super::contact::self_contact::Folds;
 use super::contact::{Faces, PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::element::{ElementPoints, Sample, SampledSurface, ascending, quadratic_shapes};
+use super::element::{ElementPoints, Sample, SampledSurface, ascending};
 use super::load::{ChamberPressure, EdgeMoment, FollowerLoads};
 use super::local::Term;
 use super::material::Material;
 use super::stretch_bound::StretchBound;
-use super::system::{Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPattern, System};
+use super::system::{
+    Inadmissible, Layout, Limit, LimitKind, LoadedSystem, Multiplier, SparsityPattern, System,
+};
 use super::tie::{Tied, Ties};
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{Location, ShellMesh, SolidMesh};
+use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
 use crate::surface::TriangleMesh;
 
 /// The energy of a loaded part over the displacements of its nodes.
@@ -433,6 +435,25 @@ impl System for PartModel {
 
     fn multipliers(&self) -> Range<usize> {
         3 * self.reference.len()..self.unknowns()
+    }
+
+    fn layout(&self) -> Option<Layout> {
+        let multipliers = match self.wall.inner() {
+            Wall::Solid(body) => {
+                let nodes = 0..self.multipliers().len() as u32;
+                let complements = body.pressure_complements(nodes.len());
+                nodes
+                    .zip(complements)
+                    .map(|(node, complement)| Multiplier { node, complement })
+                    .collect()
+            }
+            Wall::Loop(_) | Wall::MidEdge(_) => Vec::new(),
+        };
+        Some(Layout { nodes: self.reference.clone(), multipliers })
+    }
+
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        self.assembler.set_share(share);
     }
 
     fn is_conservative(&self) -> bool {

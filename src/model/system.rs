@@ -8,6 +8,8 @@
 
 use std::ops::Range;
 
+use crate::math::Vec3;
+
 /// A state at which the energy is not defined: an element turned inside out, a wall behind the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("inadmissible state: {0}")]
@@ -48,6 +50,24 @@ impl SparsityPattern {
     pub fn stored(&self) -> usize {
         self.row_indices.len()
     }
+}
+
+/// Where the unknowns of a system act, for a solver that spreads it over several processes or coarsens it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// Places at rest, mm, of the nodes `v` whose unknowns `3 v`, `3 v + 1`, `3 v + 2` are displacements.
+    pub nodes: Vec<Vec3>,
+    /// The multipliers, which are the unknowns after those.
+    pub multipliers: Vec<Multiplier>,
+}
+
+/// What a solver may know of a multiplier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multiplier {
+    /// The node at whose place it acts.
+    pub node: u32,
+    /// About what is left of its diagonal entry when the displacements are eliminated, with the sign changed: positive.
+    pub complement: f64,
 }
 
 /// A potential energy over `n` unknowns, with derivatives.
@@ -111,6 +131,19 @@ pub trait System {
     /// The number of negative pivots of the tangent at a stable equilibrium: one for each multiplier.
     fn stable_negative_pivots(&self) -> usize {
         self.multipliers().len()
+    }
+
+    /// Where the unknowns act; none where a system has no places.
+    fn layout(&self) -> Option<Layout> {
+        None
+    }
+
+    /// Until told otherwise, [`Self::residual`] and [`Self::tangent`] may leave incomplete what no unknown of the `share [n]` has a
+    /// part in: other entries of the residual, entries of the tangent of which neither end is in the share, and the energy they return.
+    ///
+    /// So several processes evaluate a system together. A system that does all nonetheless is right, and slower.
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        let _ = share;
     }
 
     /// Whether the residual is the energy's gradient and the tangent its whole derivative.

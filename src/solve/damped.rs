@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use crate::model::system::{Inadmissible, Limit, LoadedSystem, SparsityPattern, System};
+use crate::model::system::{Inadmissible, Layout, Limit, LoadedSystem, SparsityPattern, System};
 
 /// A system on a viscous bed that lets it rest at `anchor`.
 pub(super) struct Damped<'a> {
@@ -98,6 +98,14 @@ impl System for Damped<'_> {
 
     fn stable_negative_pivots(&self) -> usize {
         self.system.stable_negative_pivots()
+    }
+
+    fn layout(&self) -> Option<Layout> {
+        self.system.layout()
+    }
+
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        self.system.set_share(share);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::math::cpu_seconds;
-use crate::model::system::{Inadmissible, SparsityPattern, System};
+use crate::model::system::{Inadmissible, Layout, SparsityPattern, System};
 
 /// Forwards to a system, adding up what its evaluations cost.
 pub(super) struct Observed<'a> {
@@ -86,6 +86,14 @@ impl System for Observed<'_> {
 
     fn multipliers(&self) -> Range<usize> {
         self.system.multipliers()
+    }
+
+    fn layout(&self) -> Option<Layout> {
+        self.system.layout()
+    }
+
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        self.system.set_share(share);
     }
 
     fn stable_negative_pivots(&self) -> usize {

@@ -5,6 +5,8 @@
 //! Source: Gmsh reference manual, "MSH file format" and "Node ordering".
 
 mod parse;
+#[cfg(test)]
+mod tests;
 mod words;
 
 use std::fmt::Write;

@@ -20,7 +20,7 @@
 use nalgebra::Matrix3;
 
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{SolidMesh, TET_EDGES};
+use crate::mesh::{SolidMesh, TET_EDGES, quadratic_slopes};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::SolidLaw;
 use crate::model::system::Inadmissible;
@@ -71,6 +71,25 @@ impl TaylorHood {
     #[must_use]
     pub fn volume(&self) -> f64 {
         (0..self.cells.len()).flat_map(|s| self.shapes(s)).flatten().map(|shape| shape.dv).sum()
+    }
+
+    /// Of each of `pressures`, about `-B A^-1 B^T + C` on the diagonal, sign changed: `(1 / mu + 1 / kappa) unit^2 int L_a^2 dV`,
+    /// N/mm. Source: Silvester & Wathen (1994), for the Stokes equations.
+    #[must_use]
+    pub fn pressure_complements(&self, pressures: usize) -> Vec<f64> {
+        let first = self.reference.len();
+        let compliance = self.law.shear_modulus().recip() + self.compliance();
+        let scale = compliance * self.pressure_unit * self.pressure_unit;
+        let mut sums = vec![0.0; pressures];
+        for (s, stencil) in self.stencils.iter().enumerate() {
+            for Shapes { corners, dv, .. } in self.shapes(s).flatten() {
+                for (&node, l) in stencil[NODES..].iter().zip(corners) {
+                    sums[node as usize - first] += scale * dv * l * l;
+                }
+            }
+        }
+        // A corner of no cell has a held pressure.
+        sums.into_iter().map(|sum| if sum > 0.0 { sum } else { 1.0 }).collect()
     }
 
     /// What the shape functions are at the points of quadrature of cell `s`; none where the cell is inverted at rest.
@@ -280,32 +299,12 @@ impl Rule {
         let edge = TET_EDGES.map(|edge| {
             (weight, std::array::from_fn(|i| if edge.contains(&i) { c } else { 0.5 - c }))
         });
-        vertex.chain(edge).map(|(weight, l)| Point { slopes: slopes(&l), corners: l, weight })
+        vertex.chain(edge).map(|(weight, l)| Point {
+            slopes: quadratic_slopes(&l),
+            corners: l,
+            weight,
+        })
     }
-}
-
-/// `dN/d(r, s, t)` at the barycentric coordinates `l`: `N = l (2 l - 1)` of corners, `4 l_a l_b` of edge midpoints.
-fn slopes(l: &[f64; CORNERS]) -> [Vec3; NODES] {
-    let rates = [Vec3::repeat(-1.0), Vec3::x(), Vec3::y(), Vec3::z()];
-    std::array::from_fn(|k| match k.checked_sub(CORNERS) {
-        None => (4.0 * l[k] - 1.0) * rates[k],
-        Some(edge) => {
-            let [a, b] = TET_EDGES[edge];
-            4.0 * (l[a] * rates[b] + l[b] * rates[a])
-        }
-    })
-}
-
-/// Values of the ten shape functions at the barycentric coordinates `l`.
-#[must_use]
-pub fn quadratic_shapes(l: &[f64; 4]) -> [f64; 10] {
-    std::array::from_fn(|k| match k.checked_sub(CORNERS) {
-        None => l[k] * (2.0 * l[k] - 1.0),
-        Some(edge) => {
-            let [a, b] = TET_EDGES[edge];
-            4.0 * l[a] * l[b]
-        }
-    })
 }
 
 #[cfg(test)]

@@ -118,28 +118,45 @@ fn remeshed(
     }
     let remeshed = work.into_mesh();
     let quality = SurfaceQuality::of(&remeshed)?;
-    let necks = if grading.is_some() { 0 } else { quality.neck_edges };
-    let shortest = grading.map_or(edge, |grading| grading.shortest);
-    check_resolved(&quality, necks, mesh, [shortest, edge])?;
+    let limits = match grading {
+        None => Limits { shortest: SHORTEST * edge, sharpest: SHARPEST_FOLD, necks: 0 },
+        Some(grading) => Limits {
+            shortest: SHORTEST * grading.shortest,
+            sharpest: SHARPEST_WEDGE,
+            necks: usize::MAX,
+        },
+    };
+    check_resolved(&quality, mesh, edge, &limits)?;
     check_apart(&remeshed)?;
     Ok(remeshed)
 }
 
+/// What differs between what shells and tetrahedra can stand.
+struct Limits {
+    /// Edge, mm.
+    shortest: f64,
+    /// Angle between neighbouring normals, degrees.
+    sharpest: f64,
+    /// Edges on necks of three.
+    necks: usize,
+}
+
 fn check_resolved(
     quality: &SurfaceQuality,
-    neck_edges: usize,
     original: &TriangleMesh,
-    [shortest, edge]: [f64; 2],
+    edge: f64,
+    limits: &Limits,
 ) -> Result<(), Rejected> {
+    let neck_edges = quality.neck_edges.saturating_sub(limits.necks);
     let volume_change = quality.volume / original.volume() - 1.0;
     let below = |value: f64, limit: f64| (1.0 - value / limit).max(0.0);
     let above = |value: f64, limit: f64| (value / limit - 1.0).max(0.0);
     let violation = below(quality.valence_min as f64, *VALENCES.start() as f64)
         + above(quality.valence_max as f64, *VALENCES.end() as f64)
         + below(quality.radius_ratio_min, LEAST_RADIUS_RATIO)
-        + below(quality.edge_min, SHORTEST * shortest)
+        + below(quality.edge_min, limits.shortest)
         + above(quality.edge_max, LONGEST * edge)
-        + above(quality.dihedral_max, SHARPEST_FOLD)
+        + above(quality.dihedral_max, limits.sharpest)
         + above(volume_change.abs(), MOST_VOLUME_CHANGE)
         + neck_edges as f64 / 3.0;
     if violation > 0.0 {
@@ -177,6 +194,8 @@ const SHORTEST: f64 = 0.3;
 const LONGEST: f64 = 2.0;
 /// Between neighbouring normals, degrees; a cap on a wall that leans out by 45 degrees makes 135.
 const SHARPEST_FOLD: f64 = 150.0;
+/// A wedge of air of ten degrees is no harm to the wall around it.
+const SHARPEST_WEDGE: f64 = 170.0;
 /// Rounding the rims of a tube of 20 mm with edges of 4 mm costs 10 % of its volume.
 const MOST_VOLUME_CHANGE: f64 = 0.2;
 const MOST_REPAIRS: usize = 10;
