@@ -11,7 +11,7 @@ mod solid_problems;
 use pneumorph::math::cpu_seconds;
 use pneumorph::solve::Backend;
 use solid_problems::{
-    BLOCK_SINKING, COOK_RISE, Problem, Volume, beam_error, block_sinking, cook_rise,
+    BLOCK_SINKING, COOK_RISE, Problem, Volume, beam_tips, block_sinking, cook_rise, elastica_error,
     exact_twisted_energy, inflation_error, sphere, tube, twisted_energy,
 };
 
@@ -39,18 +39,26 @@ fn main() {
                 error(tube(n, layers(n), outer, &material), 1)
             });
         }
-        let title = format!("Cook's membrane, {volume:?}: error of the rise under 100 N/mm");
-        table(&title, &[4, 8, 16, 32, 64][..level + 2], |n| {
-            cook_rise(n, volume, backend)[4] / COOK_RISE[4] - 1.0
-        });
+        println!(
+            "Cook's membrane, {volume:?}: rise at fifths of 100 N/mm, mm\n  known  {COOK_RISE:.4?}"
+        );
+        for n in &[8, 12, 16, 24, 32, 48][..level + 3] {
+            println!("{n:7}  {:.4?}", cook_rise(*n, volume, backend));
+        }
+        println!();
     }
     println!("compressed block: sinking at quarters of 320 MPa, mm\n  known  {BLOCK_SINKING:.4?}");
     for n in &[4, 6, 8, 10, 12][..level + 2] {
         println!("{n:7}  {:.4?}", block_sinking(*n, backend));
     }
     println!();
-    let title = "bent beam, one cell across: distance from the elastica";
-    table(title, &[8, 16, 32, 64, 128][..level + 2], |n| beam_error(n, backend));
+    let tips = |n, length| beam_tips(n, length, backend);
+    let finest = tips(128, 40.0);
+    let title =
+        "bent beam, one cell across, 40 times as long: distance of the tip from that on 128 cells";
+    table(title, &[4, 8, 16, 32][..level + 1], |n| (tips(n, 40.0)[9] - finest[9]).norm());
+    let title = "bent beam, cells of 1 x 1 mm, n times as long: distance from the elastica";
+    table(title, &[20, 40, 80, 160][..level + 1], |n| elastica_error(&tips(n, n as f64)));
     let title = "twisted rod: error of the energy";
     table(title, &[2, 4, 8, 12][..level + 1], |n| {
         twisted_energy(n, 0.5, 1.0, backend) / exact_twisted_energy(0.5, 1.0) - 1.0

@@ -22,7 +22,7 @@ pub struct Cut {
 }
 
 impl PartModel {
-    /// Adds forces that keep their direction to the load of 1: `per_area` (MPa) on `faces` (as [`SolidMesh::outer`]) at rest.
+    /// Adds forces that keep their direction to the load of 1: `per_area` at rest (MPa) on `faces`, as [`SolidMesh::outer`].
     pub fn pull(&mut self, faces: &[[u32; 6]], per_area: Vec3) {
         self.forces.resize(self.reference.len(), Vec3::zeros());
         for face in faces {

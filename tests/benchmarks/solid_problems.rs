@@ -64,7 +64,7 @@ impl Problem {
         Self { mesh, model }
     }
 
-    /// The path through a programme whose states are all stable, or, under a given volume, have lost no more than one direction.
+    /// The path through a programme, all of whose states are stable: under a given volume, which may cure one negative pivot.
     pub(crate) fn walked(
         &mut self,
         backend: Backend,
@@ -139,8 +139,8 @@ pub(crate) fn tube(n: usize, layers: usize, outer_over_inner: f64, material: &Ma
     problem
 }
 
-/// A body that is inflated through a volume of `growth` times that at rest, and the largest error of its pressure at all states:
-/// neo-Hookean of `mu` = 1 MPa that stretches in two directions (sphere) or one (tube).
+/// The largest error of the pressure in a body that is inflated to `growth` times its volume: neo-Hookean of `mu` = 1 MPa,
+/// stretched in two directions (sphere) or one (tube).
 pub(crate) fn inflation_error(
     problem: &mut Problem,
     directions: i32,
@@ -159,8 +159,8 @@ pub(crate) fn inflation_error(
     path.points[1..].iter().map(error).fold(0.0, f64::max)
 }
 
-/// Of an incompressible neo-Hookean body of `mu` = 1 MPa whose inside is stretched, MPa: `[2 / l + 1 / (2 l^4)]` from inside to outside of
-/// a sphere, `[-ln l + 1 / (2 l^2)]` of a tube.
+/// The pressure in such a body where it is incompressible and its inside is stretched, MPa: `[2 / l + 1 / (2 l^4)]` from
+/// inside to outside of a sphere, `[-ln l + 1 / (2 l^2)]` of a tube.
 pub(crate) fn exact_pressure(directions: i32, outer_over_inner: f64, stretch: f64) -> f64 {
     let power = directions + 1;
     // Every shell of the wall keeps its volume.
@@ -173,7 +173,8 @@ pub(crate) fn exact_pressure(directions: i32, outer_over_inner: f64, stretch: f6
 
 /// The largest force on [`cook`]'s membrane for each mm of its thickness, N/mm.
 pub(crate) const COOK_FORCE: f64 = 100.0;
-/// The rise of its upper corner at fifths of it, mm: another program's, extrapolated from 8 to 64 cells; the last is known to 0.005.
+/// The rise of its upper corner at fifths of it, mm: another program's, extrapolated from 8 to 64 cells. The last is known
+/// to 0.005.
 pub(crate) const COOK_RISE: [f64; 5] = [1.567, 3.042, 4.424, 5.719, 6.930];
 
 /// The same on our cells.
@@ -243,10 +244,8 @@ pub(crate) fn compressed_block(n: usize) -> Problem {
     problem
 }
 
-/// The length of [`beam`], mm.
-pub(crate) const BEAM_LENGTH: f64 = 40.0;
-/// Its largest load over `EI / L^2`.
-pub(crate) const BEAM_LOAD: f64 = 10.0;
+/// The largest load of [`beam`] over `EI / L^2`.
+const BEAM_LOAD: f64 = 10.0;
 
 /// Load over `EI / L^2`, and way of the tip sideways and back, over `L`: of the elastica, which does not stretch or shear.
 pub(crate) const ELASTICA: [(f64, f64, f64); 7] = [
@@ -259,25 +258,27 @@ pub(crate) const ELASTICA: [(f64, f64, f64); 7] = [
     (10.0, 0.810609, 0.554996),
 ];
 
-/// The largest distance of a beam's tip from the elastica's, as a share of its way.
-pub(crate) fn beam_error(n: usize, backend: Backend) -> f64 {
-    let mut problem = beam(n);
-    let tip = problem.node_at(BEAM_LENGTH * Vec3::x());
+/// Where the tip of a beam goes under tenths of the load, over its length, mm.
+pub(crate) fn beam_tips(n: usize, length: f64, backend: Backend) -> [Vec3; 10] {
+    let mut problem = beam(n, length);
+    let tip = 3 * problem.node_at(length * Vec3::x());
     let path = problem.walked(backend, 1.0, 10);
-    let points: [&PathPoint; 10] = sampled(&path);
+    sampled(&path).map(|point| Vec3::from_column_slice(&point.x[tip..tip + 3]) / length)
+}
+
+/// The largest distance of the tips from the elastica's, as a share of their way.
+pub(crate) fn elastica_error(tips: &[Vec3; 10]) -> f64 {
     let error = |&(load, sideways, back): &(f64, f64, f64)| {
-        let x = &points[load as usize - 1].x;
-        let exact = BEAM_LENGTH * Vec3::new(-back, 0.0, sideways);
-        let found = Vec3::new(x[3 * tip], x[3 * tip + 1], x[3 * tip + 2]);
-        (found - exact).norm() / exact.norm()
+        let exact = Vec3::new(-back, 0.0, sideways);
+        (tips[load as usize - 1] - exact).norm() / exact.norm()
     };
     ELASTICA.iter().map(error).fold(0.0, f64::max)
 }
 
-/// A strip of 1 x 1 x 40 mm in plane strain, `n` cells along and one across, whose sections keep plane at one end and that is
-/// pulled sideways at the other.
-pub(crate) fn beam(n: usize) -> Problem {
-    let place = |x: Vec3| Vec3::new(BEAM_LENGTH * x.x, x.y, x.z - 0.5);
+/// A strip of 1 x 1 mm and a `length` (mm) in plane strain, `n` cells along and one across: its section keeps plane at one
+/// end, and is pulled sideways at the other.
+pub(crate) fn beam(n: usize, length: f64) -> Problem {
+    let place = |x: Vec3| Vec3::new(length * x.x, x.y, x.z - 0.5);
     let mesh = SolidMesh::block([n, 1, 1], &place);
     let held = [
         along(&mesh, 0, |x| is_at(x.x, 0.0)),
@@ -288,8 +289,8 @@ pub(crate) fn beam(n: usize) -> Problem {
     let mut problem = Problem::new(mesh, 1.0, &Volume::Incompressible.rubber(mu), &held);
     // The strip cannot narrow: its modulus is E / (1 - nu^2) = 4 mu.
     let bending_stiffness = 4.0 * mu / 12.0;
-    let end = problem.mesh.faces_where(|x| is_at(x.x, BEAM_LENGTH));
-    let force = BEAM_LOAD * bending_stiffness / BEAM_LENGTH.powi(2);
+    let end = problem.mesh.faces_where(|x| is_at(x.x, length));
+    let force = BEAM_LOAD * bending_stiffness / length.powi(2);
     problem.model.pull(&end, force * Vec3::z());
     problem
 }

@@ -3,8 +3,10 @@
 //! ```text
 //! psi_iso = c_1 x + c_2 x^2 + c_3 x^3 + d y,    x = J^(-2/3) I1 - 3,    y = J^(-4/3) I2 - 3
 //! I1 = F : F,                    dI1 = 2 F,              d2I1 = 2 d_ik d_JL
-//! I2 = (I1^2 - C : C) / 2,       dI2 = 2 (I1 F - F C),   d2I2 = 2 (2 F_iJ F_kL - F_iL F_kJ + (I1 d_JL - C_JL) d_ik - B_ik d_JL)
-//! q  = J^m I:   dq = J^m (dI + m I G),   d2q = J^m (d2I + m (dI (x) G + G (x) dI) + m^2 I G (x) G - m I G_iL G_kJ)
+//! I2 = (I1^2 - C : C) / 2,       dI2 = 2 (I1 F - F C),
+//!      d2I2 = 2 (2 F_iJ F_kL - F_iL F_kJ + (I1 d_JL - C_JL) d_ik - B_ik d_JL)
+//! q  = J^m I:   dq = J^m (dI + m I G),
+//!      d2q = J^m (d2I + m (dI (x) G + G (x) dI) + m^2 I G (x) G - m I G_iL G_kJ)
 //! ```
 //!
 //! with `C = F^T F`, `B = F F^T`, `G = F^-T` and `m = -2/3` for `I1`, `-4/3` for `I2`.
