@@ -225,6 +225,9 @@ mod tests {
             assert_relative_eq!(volume, 1.0 / 6.0, max_relative = 1e-13);
         }
         assert_eq!(pair.genus(), 0);
+        let second = pair.component(1);
+        assert_eq!(second.positions, far.positions);
+        assert_eq!(second.triangles, [2, 0, 1, 3].map(|t| far.triangles[t]));
     }
 
     #[test]
