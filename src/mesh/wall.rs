@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::WallSurfaces;
 use super::from_field::{GRID_SHARE, REMESH_ITERATIONS};
 use crate::field::{GridSamples, ScalarField};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Rejected, Room};
 use crate::surface::{
     Filleted, Grading, Offset, RemeshSettings, SignedDistance, TriangleMesh,
     interpolated_isosurface, intersecting_pairs, remesh_graded,
@@ -245,6 +245,7 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::math::Vec3;
     use crate::surface::isosurface;
     use crate::surface::test_fields::Analytic;
 
