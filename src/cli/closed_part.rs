@@ -2,7 +2,8 @@
 
 use anyhow::{Context, anyhow, bail, ensure};
 
-use super::scene_file::{PartSource, SceneFile};
+use super::part::PartSource;
+use super::scene_file::SceneFile;
 use crate::field::{CappedField, CompiledNetwork, ScalarField};
 use crate::math::{Rejected, Vec3};
 use crate::mesh::{ShellMesh, ShellSettings, shell_of_field};
@@ -48,6 +49,7 @@ pub(super) fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Resul
             .and_then(|surface| free_shell(surface, scene))
             .map_err(|rejected| anyhow!("[part.ellipsoid]: {rejected}")),
         PartSource::Patch(_) => bail!("a patch is not closed"),
+        PartSource::Tetrahedra { .. } => bail!("tetrahedra are no shell"),
     }
 }
 

@@ -9,12 +9,14 @@ use super::design_folder::{write_path, write_surface};
 use super::material::instability;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState};
-use super::{say, warn};
+use super::solid_front::SolidFront;
+use super::solid_part::SolidSection;
+use super::{certify, say, warn};
 use crate::batch::{Executor, Next, Panicked, Threads};
 use crate::evolve::{Candidate, Evaluation, Individual, Nsga2, hypervolume};
 use crate::fitness::{CandidateSettings, Outcome, StageSeconds, evaluate_network};
 use crate::genome::Genome;
-use crate::io::atomic;
+use crate::io::{atomic, csv};
 use crate::math::{Rejected, Room};
 use crate::solve::{Backend, SolverFailure};
 
@@ -46,6 +48,9 @@ pub(super) fn run(
     let table = search.folder.write_results(&search.nsga2, &search.history, &search.records)?;
     search.write_front_members(&executor)?;
     say(&table);
+    if let Some(section) = &run.solid {
+        search.certify_front(section, &executor)?;
+    }
     say(&search.rejection_summary());
     say(&format!("figures, front and designs are in {}", out.display()));
     Ok(())
@@ -217,6 +222,30 @@ impl Search {
         write_path(&folder, "path", &mesh, model, &scenarios.free.points, &scenarios.free_rows)?;
         let (points, rows) = (&scenarios.blocked.points, &scenarios.blocked_rows);
         write_path(&folder, "path_blocked", &mesh, model, points, rows)?;
+        Ok(())
+    }
+
+    /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`.
+    fn certify_front(&self, section: &SolidSection, executor: &Threads) -> anyhow::Result<()> {
+        let front: Vec<_> = self.nsga2.front().iter().map(|individual| individual.id).collect();
+        let folder = self.folder.file("solid");
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        }
+        say(&format!("walking the front of {} designs as solids", front.len()));
+        let solid =
+            SolidFront::new(&front, &self.records, &self.settings, section, &folder, executor)?;
+        let SolidFront { rows, of_front, front } = &solid;
+        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        csv::write(&folder.join("certificates.csv"), rows)?;
+        self.folder.write_solid_front(front, &self.nsga2, &self.records)?;
+        say(&certify::table(rows));
+        say(&certify::summary(rows, &section.fidelity));
+        say(&format!(
+            "{of_front} designs of the front and {} promoted ones make a front of {} solids: front_solid.csv",
+            rows.len() - of_front,
+            front.len()
+        ));
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! The command line: what was typed, turned into work, and work turned into files and lines.
 
+mod certify;
 mod closed_part;
 mod contact_rows;
 mod design_folder;
@@ -7,6 +8,7 @@ mod evolve;
 mod formula;
 mod material;
 mod mesh;
+mod part;
 mod patch_part;
 mod provenance;
 mod report;
@@ -16,6 +18,8 @@ mod scene_file;
 mod shape;
 mod simulate;
 mod simulate_shape;
+mod solid_front;
+mod solid_part;
 mod stability_case;
 mod verify;
 mod verify_cases;
@@ -39,7 +43,7 @@ use self::verify::Selection;
 use self::verify_cases::{CURVES, SHELLS};
 use self::verify_files::SceneFolder;
 use crate::mesh::ShellElement;
-use crate::solve::Backend;
+use crate::solve::{Backend, Job};
 
 /// Designs pneumatic soft actuators by evolution.
 #[derive(Debug, Parser)]
@@ -106,6 +110,25 @@ enum Command {
         /// Print the quality as JSON instead of words.
         #[arg(long)]
         json: bool,
+    },
+    /// Walk designs as shells and as solids, and tell how far they agree.
+    Certify {
+        /// The run file, with a [solid] section or its defaults.
+        run: PathBuf,
+        /// Network files.
+        networks: Vec<PathBuf>,
+        /// Instead of files: this many valid designs of the run's first generation.
+        #[arg(long, default_value_t = 0)]
+        random: usize,
+        /// Folder for the results; must not exist.
+        #[arg(long)]
+        out: PathBuf,
+        /// Designs evaluated at once; 0 is one for each core.
+        #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
+        threads: usize,
+        /// The solver, instead of the run file's.
+        #[arg(long)]
+        solver: Option<SolverName>,
     },
     /// Compare with published numbers; the exit code is 1 when one is too far.
     #[command(arg_required_else_help = true)]
@@ -226,10 +249,18 @@ pub fn run() -> ExitCode {
         Ok(arguments) => arguments,
         Err(usage) => return answer(&usage),
     };
-    match dispatch(arguments.command) {
+    let job = match Job::join() {
+        Ok(job) => job,
+        Err(error) => {
+            warn(&one_line(&error.into()));
+            return ExitCode::FAILURE;
+        }
+    };
+    match dispatch(arguments.command, job) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             warn(&one_line(&error));
+            job.abort();
             ExitCode::FAILURE
         }
     }
@@ -260,7 +291,9 @@ fn answer(usage: &clap::Error) -> ExitCode {
     if usage.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
 }
 
-fn dispatch(command: Command) -> anyhow::Result<()> {
+fn dispatch(command: Command, job: Job) -> anyhow::Result<()> {
+    let is_shared = matches!(command, Command::Simulate { print_defaults: false, .. });
+    anyhow::ensure!(job.ranks == 1 || is_shared, "only `simulate` runs on several ranks");
     match command {
         Command::Evolve { print_defaults: true, .. } => {
             say(&run_file::defaults());
@@ -275,8 +308,11 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
             evolve::run(&run, &out, resume, threads, solver.map(Backend::from))
         }
         Command::Simulate { scene, out, solver, json, threads, .. } => on_threads(threads, || {
-            simulate::run(&given(scene), &given(out), solver.map(Backend::from), json)
+            simulate::run(&given(scene), &given(out), solver.map(Backend::from), json, job)
         }),
+        Command::Certify { run, networks, random, out, threads, solver } => {
+            certify::run(&run, &networks, random, &out, threads, solver.map(Backend::from))
+        }
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),

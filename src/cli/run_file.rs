@@ -7,6 +7,7 @@ use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::material::{MaterialSection, positive, within};
+use super::solid_part::SolidSection;
 use crate::evolve::{self, Nsga2Settings};
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
 use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings};
@@ -28,6 +29,9 @@ pub(super) struct RunFile {
     pub material: MaterialSection,
     pub load: LoadSettings,
     pub solver: SolverSection,
+    /// The front again as solids, when the search is over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solid: Option<SolidSection>,
     /// Bounds of single genes, `name = [lower, upper]`.
     pub genes: BTreeMap<String, [f64; 2]>,
 }
@@ -52,6 +56,7 @@ impl Default for RunFile {
             load: LoadSettings::default(),
             // A search runs on threads, and PETSc would make them take turns.
             solver: SolverSection { backend: Backend::Native },
+            solid: None,
             genes: BTreeMap::new(),
         }
     }
@@ -76,6 +81,7 @@ impl RunFile {
             "[evolution] population is {}, but at most {MOST_INDIVIDUALS} fit in memory",
             self.evolution.population
         );
+        self.solid.iter().try_for_each(SolidSection::check)?;
         self.evolution.validate().context("[evolution]")?;
         self.gene_bounds()?;
         self.material.material()?;

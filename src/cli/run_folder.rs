@@ -3,6 +3,7 @@
 //! ```text
 //! run.toml  provenance.json  checkpoints/  candidates.jsonl  history.csv
 //! front.csv  front.svg  front.png  history.svg  history.png
+//! solid/  front_solid.csv      of a run with a [solid] section
 //! front/<id>/  genome.toml  surface.stl  path.csv  path_blocked.csv  *.vtu  *.pvd
 //! ```
 
@@ -12,6 +13,7 @@ use std::path::Path;
 use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 
+use super::certify::Row;
 use super::design_folder::write_json;
 use super::provenance::Provenance;
 use super::run_file::RunFile;
@@ -54,6 +56,9 @@ const PNG_SCALE: f32 = 2.0;
 
 /// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
 const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force\n";
+
+/// The front of the solids.
+const SOLID_FRONT: &str = "front_solid.csv";
 
 /// A run folder.
 pub(super) struct RunFolder {
@@ -167,7 +172,9 @@ impl RunFolder {
         } else {
             csv::write(&self.file("front.csv"), &front)?;
         }
-        let svg = front_svg(&front, &evaluated_objectives(records));
+        let solids = self.solid_front()?;
+        let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
+        let svg = front_svg(&front, &evaluated_objectives(records), &solids);
         self.write_figure("front", &svg)?;
         let points: Vec<HistoryPoint> = history
             .iter()
@@ -179,6 +186,30 @@ impl RunFolder {
             .collect();
         self.write_figure("history", &history_svg(&points))?;
         Ok(front_table(&front))
+    }
+
+    /// The rows of `front_solid.csv`; none where there is no such file.
+    fn solid_front(&self) -> anyhow::Result<Vec<Row>> {
+        let path = self.file(SOLID_FRONT);
+        if !path.exists() {
+            return Ok(Vec::new());
+        }
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        Ok(csv::parse(&text, &path)?)
+    }
+
+    /// Writes `front_solid.csv`, and the figure of both fronts.
+    pub(super) fn write_solid_front(
+        &self,
+        solids: &[Row],
+        search: &Nsga2,
+        records: &[Record],
+    ) -> anyhow::Result<()> {
+        csv::write(&self.file(SOLID_FRONT), solids)?;
+        let front = front_points(&search.front(), records)
+            .with_context(|| self.path().display().to_string())?;
+        let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
+        self.write_figure("front", &front_svg(&front, &evaluated_objectives(records), &solids))
     }
 
     fn write_figure(&self, name: &str, svg: &str) -> anyhow::Result<()> {

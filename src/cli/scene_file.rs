@@ -1,29 +1,26 @@
 //! The scene file of `simulate`: one part, its wall, its load, what holds it, and the planes it may touch.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::material::{MaterialSection, positive, within};
+use super::part::Part;
 use super::patch_part::{
-    EdgeSection, ForceSection, MomentSection, PatchConditions, PatchSection, PinSection,
-    check_patch_pressure,
+    EdgeSection, ForceSection, MomentSection, PatchConditions, PinSection, check_patch_pressure,
 };
-use super::run_file::{
-    SolverSection, check_distance, check_mesh, check_normal, check_shell, check_solver,
-};
+use super::run_file::{check_distance, check_mesh, check_normal, check_shell, check_solver};
+use super::solid_part::SolidSection;
 use super::verify_section::{MeshSize, VerifySection};
 use super::watch::{WatchSection, Watchable};
 use crate::field::DesignBox;
 use crate::fitness::LoadSettings;
-use crate::genome::Network;
 use crate::io::toml_file;
 use crate::math::Vec3;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::model::contact::{PlaneSettings, SelfContactSettings};
-use crate::solve::{Backend, PathSettings, Programme, Supply};
-use crate::surface::TriangleMesh;
+use crate::solve::{Backend, LinearMethod, PathSettings, Programme, Supply};
 
 /// A scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,6 +44,9 @@ pub(super) struct SceneFile {
     /// Keeps the folds of the wall apart; without it they pass through each other unseen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_contact: Option<SelfContactSection>,
+    /// The wall as a solid, instead of a shell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solid: Option<SolidSection>,
     /// Rigid planes; none is listed, none is computed.
     #[serde(default, rename = "plane", skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,
@@ -66,45 +66,6 @@ pub(super) struct SceneFile {
     /// What `verify` compares with; `simulate` reads past it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verify: Option<VerifySection>,
-}
-
-/// Where the mid-surface comes from; exactly one of them, files relative to the scene file.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Part {
-    /// A network file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub network: Option<PathBuf>,
-    /// An STL file of a closed mid-surface, mm, z along the part.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stl: Option<PathBuf>,
-    /// An open surface given by formulas.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub patch: Option<PatchSection>,
-    /// A closed sphere about the origin, free but for its rigid motions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sphere: Option<SphereSection>,
-    /// A closed ellipsoid about the origin, free but for its rigid motions; `[mesh] edge` says how fine.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ellipsoid: Option<EllipsoidSection>,
-}
-
-/// A sphere of triangles: an icosahedron whose triangles are quartered again and again.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SphereSection {
-    /// Of the mid-surface, mm.
-    pub radius: f64,
-    /// How often; 3 makes 1280 triangles.
-    pub subdivisions: usize,
-}
-
-/// An ellipsoid of triangles of one size.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct EllipsoidSection {
-    /// Of the mid-surface along x, y and z, mm.
-    pub semi_axes: [f64; 3],
 }
 
 /// What drives the part, and how its path is walked.
@@ -204,41 +165,25 @@ fn default_elastic_slip() -> f64 {
     PlaneSettings::new(Vec3::x(), 1.0, 1.0).elastic_slip
 }
 
+/// Which solver finds the equilibria, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SolverSection {
+    /// `native` or `petsc`.
+    #[serde(default = "default_backend")]
+    pub backend: Backend,
+    /// `auto`, `direct`, or `iterative` for a large solid.
+    #[serde(default)]
+    pub linear: LinearMethod,
+}
+
 /// PETSc where it is built in: a single scene has the process to itself.
+fn default_backend() -> Backend {
+    if Backend::Petsc.is_built_in() { Backend::Petsc } else { Backend::Native }
+}
+
 fn default_solver() -> SolverSection {
-    let backend = if Backend::Petsc.is_built_in() { Backend::Petsc } else { Backend::Native };
-    SolverSection { backend }
-}
-
-/// Where the files that a part names are read.
-pub(super) trait PartFiles {
-    /// The network in the file at `path`.
-    fn network(&self, path: &Path) -> anyhow::Result<Network>;
-    /// The triangles of the STL file at `path`, mm.
-    fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh>;
-}
-
-/// What a scene's part is made from.
-pub(super) enum PartSource<'a> {
-    Network {
-        file: PathBuf,
-        network: Network,
-    },
-    Stl {
-        file: PathBuf,
-        surface: TriangleMesh,
-    },
-    Patch(&'a PatchSection),
-    Sphere(SphereSection),
-    /// Its semi-axes, mm.
-    Ellipsoid([f64; 3]),
-}
-
-impl PartSource<'_> {
-    /// Whether the part is clamped at its base and has a tip.
-    pub(super) fn is_actuator(&self) -> bool {
-        matches!(self, Self::Network { .. } | Self::Stl { .. })
-    }
+    SolverSection { backend: default_backend(), linear: LinearMethod::Automatic }
 }
 
 impl SceneFile {
@@ -253,6 +198,11 @@ impl SceneFile {
     /// Checks everything that can be checked without the files it names.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         check_solver(self.solver.backend)?;
+        ensure!(
+            self.solver
+                != SolverSection { backend: Backend::Native, linear: LinearMethod::Iterative },
+            "[solver] linear = \"iterative\" is PETSc's; set backend = \"petsc\""
+        );
         check_shell(&self.wall, &self.load_settings())?;
         check_mesh(self.design_box, &self.mesh)?;
         self.material.material()?;
@@ -267,6 +217,17 @@ impl SceneFile {
             if let Some(pressure) = section.pressure {
                 positive("[self_contact] pressure", pressure)?;
             }
+        }
+        if let Some(section) = &self.solid {
+            section.check()?;
+            ensure!(
+                self.part.network.is_some() || self.part.stl.is_some(),
+                "[solid] wants a [part] with a `network` or an `stl`"
+            );
+            ensure!(
+                self.self_contact.is_none(),
+                "[self_contact] is modelled between shells alone; take it or [solid] away"
+            );
         }
         self.check_conditions()
     }
@@ -293,11 +254,10 @@ impl SceneFile {
             moments: &self.moments,
             watches: &self.watches,
         };
-        let Part { patch, sphere, ellipsoid, .. } = &self.part;
-        let is_free = sphere.is_some() || ellipsoid.is_some();
+        let patch = &self.part.patch;
         let watchable = match patch {
             Some(_) => Watchable::Patch,
-            None if is_free => Watchable::FreeBody,
+            None if self.part.is_free() => Watchable::FreeBody,
             None => Watchable::Actuator,
         };
         for (i, watch) in self.watches.iter().enumerate() {
@@ -336,23 +296,7 @@ impl SceneFile {
             }
         }
         self.check_supply()?;
-        if let Some(EllipsoidSection { semi_axes }) = *ellipsoid {
-            for semi_axis in semi_axes {
-                positive("[part.ellipsoid] semi_axes", semi_axis)?;
-            }
-            let shortest = semi_axes.into_iter().fold(f64::INFINITY, f64::min);
-            let longest = semi_axes.into_iter().fold(0.0, f64::max);
-            // Beyond, its ends are sharper than its triangles; or it has some hundred thousand of them.
-            within("[mesh] edge of a [part.ellipsoid]", self.mesh.edge, 0.01 * longest, shortest)?;
-        }
-        if let Some(sphere) = *sphere {
-            positive("[part.sphere] radius", sphere.radius)?;
-            ensure!(
-                (1..=MOST_SUBDIVISIONS).contains(&sphere.subdivisions),
-                "[part.sphere] subdivisions is {}, but it must lie between 1 and {MOST_SUBDIVISIONS}",
-                sphere.subdivisions
-            );
-        }
+        self.part.check(self.mesh.edge)?;
         ensure!(
             self.part.patch.is_none() || self.has_load(),
             "a [part.patch] wants a load other than zero: [load] pressure, [[force]] or [[moment]]"
@@ -445,42 +389,10 @@ impl SceneFile {
         };
         self.planes.iter().map(settings).collect()
     }
-
-    /// What the part is made from; `files` are named relative to the scene file at `path`.
-    pub(super) fn source(
-        &self,
-        path: &Path,
-        files: &dyn PartFiles,
-    ) -> anyhow::Result<PartSource<'_>> {
-        let beside = |file: &PathBuf| path.parent().unwrap_or(Path::new("")).join(file);
-        let Part { network, stl, patch, sphere, ellipsoid } = &self.part;
-        let one = "`network`, `stl`, `patch`, `sphere` and `ellipsoid`";
-        match (network, stl, patch, sphere, ellipsoid) {
-            (Some(file), None, None, None, None) => {
-                let file = beside(file);
-                Ok(PartSource::Network { network: files.network(&file)?, file })
-            }
-            (None, Some(file), None, None, None) => {
-                let file = beside(file);
-                Ok(PartSource::Stl { surface: files.surface(&file)?, file })
-            }
-            (None, None, Some(patch), None, None) => Ok(PartSource::Patch(patch)),
-            (None, None, None, Some(sphere), None) => Ok(PartSource::Sphere(*sphere)),
-            (None, None, None, None, Some(ellipsoid)) => {
-                Ok(PartSource::Ellipsoid(ellipsoid.semi_axes))
-            }
-            (None, None, None, None, None) => {
-                bail!("{}: [part] has none of {one}; give one", path.display())
-            }
-            _ => bail!("{}: [part] has more than one of {one}; give one", path.display()),
-        }
-    }
 }
 
 /// Beyond, nothing slides.
 const MOST_FRICTION: f64 = 100.0;
-/// 6 make some 80 000 triangles.
-const MOST_SUBDIVISIONS: usize = 6;
 
 /// Pressure between folds that no pressure presses together, as a share of the shear modulus.
 const SHARE_OF_STIFFNESS: f64 = 0.01;
@@ -491,6 +403,12 @@ const LIST_EXAMPLES: &str = "
 # [self_contact]
 # activation = 0.2  # gap at which they begin to push, in thicknesses
 # pressure = 0.2  # about how hard they press, MPa; the largest pressure where it is left out
+
+# The wall in tetrahedra (a network or an STL file), instead of a shell. Or your own: [part] tetrahedra = \"wall.msh\"
+# [solid]
+# edge = 2.0  # mm, on the wall's faces
+# layers = 1  # through the wall; as many as make tetrahedra as high as wide where it is left out
+# mesher = \"tetgen\"  # or gmsh; the one and then the other where it is left out
 
 # A rigid plane on the -x side; as many as needed.
 # [[plane]]
@@ -533,6 +451,7 @@ pub(super) fn defaults() -> String {
         },
         solver: default_solver(),
         self_contact: None,
+        solid: None,
         planes: Vec::new(),
         edges: Vec::new(),
         pins: Vec::new(),

@@ -1,14 +1,15 @@
 //! A part of a scene file, loaded, solved and watched.
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 
 use super::closed_part;
+use super::part::PartSource;
 use super::patch_part::{Force, PatchSection};
-use super::scene_file::{PartSource, SceneFile};
+use super::scene_file::SceneFile;
 use super::watch::{Watch, Watched};
 use super::watch_curve::WatchCurve;
 use crate::math::cpu_seconds;
-use crate::mesh::{Patch, ShellMesh, Side};
+use crate::mesh::{Patch, ShellMesh, ShellSettings, Side, SolidMesh};
 use crate::model::system::{LoadedSystem, System};
 use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads};
 use crate::solve::{Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, follow};
@@ -52,6 +53,9 @@ impl Shape {
         if let PartSource::Patch(section) = source {
             return of_patch(scene, section);
         }
+        if let PartSource::Tetrahedra { file, mesh } = source {
+            return of_tetrahedra(scene, mesh).with_context(|| file.display().to_string());
+        }
         let mesh = closed_part::shell(scene, source)?;
         let support = closed_part::support(source, &mesh);
         let planes = scene.plane_settings(scene.load_settings().pressure);
@@ -69,7 +73,7 @@ impl Shape {
         start: f64,
     ) -> anyhow::Result<Measured> {
         let largest = scene.load_settings();
-        let mut solver = backend.solver(self.model.pattern())?;
+        let mut solver = backend.solver_by(scene.solver.linear, self.model.pattern())?;
         let walked = if scene.load.linear {
             linear_step(&mut self.model, solver.as_mut(), largest.pressure)?
         } else {
@@ -97,6 +101,37 @@ impl Shape {
 pub(super) fn watches_of_closed(scene: &SceneFile, mesh: &ShellMesh) -> anyhow::Result<Vec<Watch>> {
     let watch = |watched| Watch { watched, vertices: mesh.tip.clone(), length: mesh.length };
     scene.watches.iter().map(|section| section.watched().map(watch)).collect()
+}
+
+/// A clamped wall of tetrahedra.
+fn of_tetrahedra(scene: &SceneFile, mesh: &SolidMesh) -> anyhow::Result<Shape> {
+    let ShellSettings { thickness, clamp_height, tip_fraction, .. } = scene.wall;
+    let (surface, _) = mesh.boundary();
+    let heights = || mesh.positions.iter().map(|x| x.z);
+    let base = heights().fold(f64::INFINITY, f64::min) + 0.5 * thickness;
+    let top = heights().fold(f64::NEG_INFINITY, f64::max) - 0.5 * thickness;
+    let clamped = mesh.nodes_below(base + clamp_height * thickness);
+    ensure!(
+        clamped.len() > 3,
+        "the clamp below z = {:.3} mm holds {} nodes, fewer than 4; see [wall] clamp_height",
+        base + clamp_height * thickness,
+        clamped.len()
+    );
+    let length = top - base;
+    let tip = (0u32..).zip(&surface.positions).filter(|(_, x)| x.z >= top - tip_fraction * length);
+    let vertices: Vec<u32> = tip.map(|(vertex, _)| vertex).collect();
+    let planes = scene.plane_settings(scene.load_settings().pressure);
+    let held = SolidMesh::unknowns_of(&clamped);
+    let material = scene.material.material()?;
+    let model = PartModel::of_solid(mesh, thickness, &material, held, &planes)
+        .map_err(|rejected| anyhow!("{rejected}"))?;
+    ensure!(
+        !mesh.chamber.is_empty(),
+        "no face of the tetrahedra is tagged as chamber, and their boundary is in one piece: nothing to inflate"
+    );
+    let watch = |watched| Watch { watched, vertices: vertices.clone(), length };
+    let sections = scene.watches.iter().map(|section| section.watched().map(watch));
+    Ok(Shape { surface, model, watches: sections.collect::<anyhow::Result<_>>()? })
 }
 
 fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> {

@@ -8,21 +8,25 @@ use serde::Serialize;
 
 use super::closed_part::shell;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
-use super::design_folder::{write_json, write_path, write_surface, write_watches};
+use super::design_folder::{
+    write_json, write_path, write_solid_pictures, write_surface, write_watches,
+};
 use super::material::instability;
+use super::part::PartFiles;
 use super::provenance::Provenance;
-use super::scene_file::{PartFiles, SceneFile};
+use super::scene_file::SceneFile;
 use super::shape::watches_of_closed;
+use super::solid_part::{SolidPart, SolidReport};
 use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, stl, toml_file};
-use crate::math::cpu_seconds;
-use crate::mesh::ShellMesh;
+use crate::io::{OutputFolder, atomic, msh, stl, toml_file, vtu_solid};
+use crate::math::{Rejected, cpu_seconds};
+use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
-use crate::solve::{Backend, Path as Walked, SolveTimes, follow};
+use crate::solve::{Backend, Job, Path as Walked, SolveTimes, follow};
 use crate::surface::{SurfaceQuality, TriangleMesh};
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -35,7 +39,7 @@ struct Summary {
     tangent_angle_deg: f64,
     /// MPa.
     pressure: f64,
-    /// Enclosed by the mid-surface, mm^3.
+    /// Enclosed by the mid-surface, of a solid by the chamber, mm^3.
     volume_initial: f64,
     volume_final: f64,
     /// mJ.
@@ -54,41 +58,55 @@ struct Summary {
     solver: Backend,
     cpu_seconds: StageSeconds,
     surface: SurfaceQuality,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solid: Option<SolidReport>,
     provenance: Provenance,
 }
 
-/// Runs the scene at `path` and writes its results into the new folder `out`.
+/// Runs the scene at `path`; the first process of the `job` writes its results into the new folder `out`.
 pub(super) fn run(
     path: &Path,
     out: &Path,
     solver: Option<Backend>,
     json: bool,
+    job: Job,
 ) -> anyhow::Result<()> {
     let start = cpu_seconds();
     OutputFolder::check_new(out)?;
     let scene = SceneFile::read(path, solver)?;
-    let source = scene.source(path, &OnDisk)?;
+    let source = scene.part.source(path, &OnDisk)?;
     if !source.is_actuator() {
-        return simulate_shape::run(path, &scene, &source, out, json);
+        return simulate_shape::run(path, &scene, &source, out, json, job);
     }
     let mesh = shell(&scene, &source)?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
-    let meshing = cpu_seconds() - start;
 
     let planes = scene.plane_settings(scene.load_settings().pressure);
     let material = scene.material.material()?;
     instability(&material).iter().for_each(|line| warn(line));
-    let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes)
-        .map_err(|rejected| anyhow!("{}: {rejected}", path.display()))?;
+    let failed = |rejected: Rejected| anyhow!("{}: {rejected}", path.display());
+    let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes).map_err(failed)?;
     model.watch_folds(!scene.load.may_overlap);
     if let Some(settings) = scene.self_contact()? {
         model.keep_folds_apart(settings);
     }
-    let folder = OutputFolder::create_new(out)?;
-    let (walked, times) = walk(&scene, &mut model)
-        .with_context(|| path.display().to_string())
-        .inspect_err(|_| folder.remove_if_empty())?;
+    let solid = match &scene.solid {
+        None => None,
+        Some(section) => {
+            Some(SolidPart::new(&model.rest_surface(), mesh.thickness, section)?.map_err(failed)?)
+        }
+    };
+    if let Some(solid) = &solid {
+        model = solid.model(&mesh, &material, &planes).map_err(failed)?;
+    }
+    let meshing = cpu_seconds() - start;
+    let folder = job.is_first().then(|| OutputFolder::create_new(out)).transpose()?;
+    let (walked, times) =
+        walk(&scene, &mut model).with_context(|| path.display().to_string()).inspect_err(|_| {
+            folder.iter().for_each(OutputFolder::remove_if_empty);
+        })?;
+    let Some(folder) = folder else { return Ok(()) };
     let rows = observations(&mesh, &model, &walked.points);
     let last = rows.last().expect("a walked path has its start");
     let summary = Summary {
@@ -115,10 +133,15 @@ pub(super) fn run(
             rest: cpu_seconds() - start - meshing - times.assembly - times.factorization,
         },
         surface,
+        solid: solid.as_ref().map(|solid| solid.report.clone()),
         provenance: Provenance::of_this_process(),
     };
     atomic::write(&folder.file("scene.toml"), toml::to_string(&scene)?.as_bytes())?;
     write_surface(folder.path(), &mesh)?;
+    if let Some(solid) = &solid {
+        msh::write(&folder.file("wall.msh"), &solid.mesh)?;
+        write_solid_pictures(folder.path(), "solid", &solid.mesh, &walked.points)?;
+    }
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
     write_contact(folder.path(), &model, &walked.points)?;
     if !scene.watches.is_empty() {
@@ -137,7 +160,7 @@ pub(super) fn run(
 
 /// The path of a part that is stable at rest, and what it took.
 fn walk(scene: &SceneFile, model: &mut PartModel) -> anyhow::Result<(Walked, SolveTimes)> {
-    let mut solver = scene.solver.backend.solver(model.pattern())?;
+    let mut solver = scene.solver.backend.solver_by(scene.solver.linear, model.pattern())?;
     let load = scene.load_settings();
     model.set_stretch_bound(load.stretch_bound);
     let programme = scene.programme(model.volume(&vec![0.0; model.unknowns()]));
@@ -161,6 +184,11 @@ impl PartFiles for OnDisk {
     fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh> {
         Ok(stl::read(path, stl::WELD_TOLERANCE)?)
     }
+
+    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
+        let is_vtu = path.extension().is_some_and(|extension| extension == "vtu");
+        Ok(if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? })
+    }
 }
 
 /// Reads a network file.
@@ -183,10 +211,11 @@ fn check_tip(mesh: &ShellMesh) -> anyhow::Result<()> {
 impl Summary {
     fn in_words(&self, out: &Path) -> String {
         let ending = self.walk.in_words();
+        let solid = self.solid.as_ref().map_or_else(String::new, |solid| solid.in_words() + "\n");
         let [x, y, z] = self.tip;
         format!(
             "{ending} at {:.4} MPa: tip moved by ({x:+.3}, {y:+.3}, {z:+.3}) mm, chord {:.2} deg, volume {:.1} -> {:.1} mm^3, plane force {:.3} N\n\
-             {} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
+             {solid}{} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
             self.pressure,
             self.angle_deg,
             self.volume_initial,

@@ -7,15 +7,16 @@ use serde::Serialize;
 
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_pictures, write_watches};
+use super::part::PartSource;
 use super::provenance::Provenance;
 use super::say;
-use super::scene_file::{PartSource, SceneFile};
+use super::scene_file::SceneFile;
 use super::shape::{Measured, Shape};
 use super::walk_summary::WalkSummary;
 use crate::fitness::stability;
 use crate::io::{OutputFolder, atomic, csv, stl};
 use crate::math::cpu_seconds;
-use crate::solve::Backend;
+use crate::solve::{Backend, Job};
 
 /// A row of `path.csv`.
 #[derive(Debug, Serialize)]
@@ -65,19 +66,23 @@ struct Watch<'a> {
     value: f64,
 }
 
-/// Runs the `scene` read from `path` and writes its results into the new folder `out`.
+/// Runs the `scene` read from `path`; the first process of the `job` writes its results into the new folder `out`.
 pub(super) fn run(
     path: &Path,
     scene: &SceneFile,
     source: &PartSource<'_>,
     out: &Path,
     json: bool,
+    job: Job,
 ) -> anyhow::Result<()> {
     let start = cpu_seconds();
     let named = || path.display().to_string();
     let mut shape = Shape::new(scene, source).with_context(named)?;
     let Measured { walked, unknowns, cpu_seconds, curves, .. } =
         shape.measure(scene, scene.solver.backend, start).with_context(named)?;
+    if !job.is_first() {
+        return Ok(());
+    }
     let largest_of = |x: &[f64]| {
         let sizes = shape.model.vertex_displacements(x).into_iter().map(|u| u.norm());
         sizes.fold(0.0, f64::max)

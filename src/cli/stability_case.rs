@@ -179,7 +179,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::cli::scene_file::PartFiles;
+    use crate::cli::part::PartFiles;
     use crate::cli::verify_files::{BuiltIn, NETWORKS, SURFACES};
 
     fn cases() -> Vec<StabilityCase> {

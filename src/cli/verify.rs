@@ -230,7 +230,7 @@ fn measure(
     let mut scene = case.scene.with_mesh(mesh)?;
     scene.wall.element = element;
     let start = cpu_seconds();
-    let source = scene.source(Path::new("verify/shells/case.toml"), &BuiltIn)?;
+    let source = scene.part.source(Path::new("verify/shells/case.toml"), &BuiltIn)?;
     let mut shape = Shape::new(&scene, &source)?;
     let measured = shape.measure(&scene, solver, start)?;
     if measured.walked.points.is_empty() {

@@ -23,7 +23,7 @@ fn cases() -> Vec<Case> {
 }
 
 fn shape(scene: &SceneFile) -> Shape {
-    let source = scene.source(Path::new(""), &BuiltIn).unwrap();
+    let source = scene.part.source(Path::new(""), &BuiltIn).unwrap();
     Shape::new(scene, &source).unwrap()
 }
 

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
-use super::scene_file::PartFiles;
+use super::part::PartFiles;
 use crate::genome::{Network, NetworkDraft};
 use crate::io::{stl, toml_file};
+use crate::mesh::SolidMesh;
 use crate::surface::TriangleMesh;
 
 /// The scenes of one folder under `verify/`.
@@ -68,6 +69,10 @@ impl PartFiles for BuiltIn {
 
     fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh> {
         Ok(stl::parse(built_in(&SURFACES, path)?.to_vec(), path, stl::WELD_TOLERANCE)?)
+    }
+
+    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
+        bail!("{} is not built in", path.display())
     }
 }
 

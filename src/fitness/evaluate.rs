@@ -1,4 +1,4 @@
-//! The two scenarios of Smith et al. (2022) on one shell.
+//! The two scenarios of Smith et al. (2022) on one part, a shell or a solid.
 //!
 //! Bending: clamped at the base, pressure rising, nothing in the way. Blocking: the same, with a rigid plane at a
 //! distance from the outer wall. Until the part comes near the plane both are one path, which is walked once.
@@ -49,6 +49,15 @@ impl Default for FitnessSettings {
     /// The plane 5 mm from the -x side, to which the published seed bends.
     fn default() -> Self {
         Self { exponent: 3.0, plane_normal: [1.0, 0.0, 0.0], plane_distance: 5.0 }
+    }
+}
+
+impl FitnessSettings {
+    /// The plane that blocks a part under `pressure`, MPa.
+    #[must_use]
+    pub fn plane(&self, pressure: f64) -> PlaneSettings {
+        let normal = Vec3::from(self.plane_normal).normalize();
+        PlaneSettings::new(normal, self.plane_distance, pressure)
     }
 }
 
@@ -111,12 +120,24 @@ pub fn evaluate(
     fitness: &FitnessSettings,
     backend: Backend,
 ) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
-    let normal = Vec3::from(fitness.plane_normal).normalize();
-    let plane = PlaneSettings::new(normal, fitness.plane_distance, load.pressure);
-    let mut model = match PartModel::new(mesh, material, &Support::Clamp, &[plane]) {
-        Ok(model) => model,
-        Err(rejected) => return Ok(Err(rejected)),
-    };
+    let plane = fitness.plane(load.pressure);
+    match PartModel::new(mesh, material, &Support::Clamp, &[plane]) {
+        Ok(model) => evaluate_model(mesh, model, load, fitness, backend),
+        Err(rejected) => Ok(Err(rejected)),
+    }
+}
+
+/// Walks both scenarios of `model`, which shows the vertices of `mesh` and has the plane of `fitness`.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_model(
+    mesh: &ShellMesh,
+    mut model: PartModel,
+    load: &LoadSettings,
+    fitness: &FitnessSettings,
+    backend: Backend,
+) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
     model.set_stretch_bound(load.stretch_bound);
     let mut solver = backend.solver(model.pattern())?;
     model.lift_planes(true);

@@ -4,12 +4,16 @@
 
 mod candidate;
 mod evaluate;
+mod fidelity;
 mod objective;
 mod observation;
 mod outcome;
 
 pub use candidate::{Candidate, CandidateSettings, evaluate_network, shell_of_network};
-pub use evaluate::{Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate};
+pub use evaluate::{
+    Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate, evaluate_model,
+};
+pub use fidelity::{Certificate, FidelitySettings, Verdict};
 pub use objective::{bending, blocking, figure_of_merit};
 pub use observation::{Observation, observations, stability};
 pub use outcome::{Outcome, StageSeconds};

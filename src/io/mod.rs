@@ -5,12 +5,19 @@
 
 pub mod atomic;
 pub mod checkpoint;
+pub mod child;
 pub mod csv;
 mod error;
+pub mod gmsh;
 pub mod jsonl;
+mod mesher;
+pub mod msh;
+mod raw_solid;
 pub mod stl;
+pub mod tetgen;
 pub mod toml_file;
 pub mod vtu;
+pub mod vtu_solid;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};

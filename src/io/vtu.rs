@@ -1,4 +1,4 @@
-//! Triangle surfaces with values on them for ParaView: `.vtu` pictures and the `.pvd` list of a series.
+//! Triangle surfaces and solid walls with values on them for ParaView: `.vtu` pictures and the `.pvd` list of a series.
 //!
 //! Data are appended raw, little-endian, each block behind its length as 64 bits:
 //! Source: VTK file formats, "XML file formats", unstructured grid, appended data.
@@ -7,17 +7,26 @@ use std::path::Path;
 
 use super::{OutputError, atomic};
 use crate::math::Vec3;
+use crate::mesh::SolidMesh;
 use crate::surface::TriangleMesh;
 
-/// A surface and named values on its vertices and triangles.
+/// A surface or a solid, and named values on its nodes and cells.
 #[derive(Clone, Debug)]
 pub struct Picture<'a> {
-    mesh: &'a TriangleMesh,
+    positions: &'a [Vec3],
+    cells: Cells<'a>,
     point_data: Vec<(String, Values<'a>)>,
     cell_data: Vec<(String, Values<'a>)>,
 }
 
-/// One value for each vertex or triangle.
+/// The cells of a picture.
+#[derive(Clone, Copy, Debug)]
+enum Cells<'a> {
+    Triangles(&'a [[u32; 3]]),
+    QuadraticTetrahedra(&'a [[u32; 10]]),
+}
+
+/// One value for each node or cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Values<'a> {
     /// A number each.
@@ -30,27 +39,37 @@ impl<'a> Picture<'a> {
     /// The surface without values.
     #[must_use]
     pub fn new(mesh: &'a TriangleMesh) -> Self {
-        Self { mesh, point_data: Vec::new(), cell_data: Vec::new() }
+        Self::of(&mesh.positions, Cells::Triangles(&mesh.triangles))
     }
 
-    /// The picture with `values`, one for each vertex, named `name` (with its unit).
+    /// The tetrahedra of a solid without values.
+    #[must_use]
+    pub fn of_solid(mesh: &'a SolidMesh) -> Self {
+        Self::of(&mesh.positions, Cells::QuadraticTetrahedra(&mesh.tetrahedra))
+    }
+
+    fn of(positions: &'a [Vec3], cells: Cells<'a>) -> Self {
+        Self { positions, cells, point_data: Vec::new(), cell_data: Vec::new() }
+    }
+
+    /// The picture with `values`, one for each node, named `name` (with its unit).
     ///
     /// # Panics
-    /// When there are not as many values as vertices.
+    /// When there are not as many values as nodes.
     #[must_use]
     pub fn with_point_data(mut self, name: &str, values: Values<'a>) -> Self {
-        assert_eq!(values.len(), self.mesh.positions.len(), "{name}: a value for each vertex");
+        assert_eq!(values.len(), self.positions.len(), "{name}: a value for each node");
         self.point_data.push((name.to_owned(), values));
         self
     }
 
-    /// The picture with `values`, one for each triangle, named `name` (with its unit).
+    /// The picture with `values`, one for each cell, named `name` (with its unit).
     ///
     /// # Panics
-    /// When there are not as many values as triangles.
+    /// When there are not as many values as cells.
     #[must_use]
     pub fn with_cell_data(mut self, name: &str, values: Values<'a>) -> Self {
-        assert_eq!(values.len(), self.mesh.triangles.len(), "{name}: a value for each triangle");
+        assert_eq!(values.len(), self.cells.len(), "{name}: a value for each cell");
         self.cell_data.push((name.to_owned(), values));
         self
     }
@@ -64,10 +83,14 @@ impl<'a> Picture<'a> {
     }
 
     fn bytes(&self) -> Vec<u8> {
-        let TriangleMesh { positions, triangles } = self.mesh;
-        let corners = triangles.iter().flatten().map(|&v| i64::from(v));
-        let ends = (1..=triangles.len()).map(|t| 3 * t as i64);
-        let types = vec![VTK_TRIANGLE; triangles.len()];
+        let Self { positions, cells, .. } = self;
+        let (nodes, size, kind) = match cells {
+            Cells::Triangles(cells) => (cells.as_flattened(), 3, VTK_TRIANGLE),
+            Cells::QuadraticTetrahedra(cells) => (cells.as_flattened(), 10, VTK_QUADRATIC_TETRA),
+        };
+        let nodes = nodes.iter().map(|&v| i64::from(v));
+        let ends = (1..=cells.len()).map(|t| size * t as i64);
+        let types = vec![kind; cells.len()];
 
         let mut blocks = AppendedBlocks::default();
         let mut xml = format!(
@@ -76,12 +99,12 @@ impl<'a> Picture<'a> {
              <UnstructuredGrid>\n\
              <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
             positions.len(),
-            triangles.len()
+            cells.len()
         );
         xml += "<Points>\n";
         xml += &blocks.values("position", Values::Vectors(positions));
         xml += "</Points>\n<Cells>\n";
-        xml += &blocks.array("Int64", "connectivity", 1, corners.flat_map(i64::to_le_bytes));
+        xml += &blocks.array("Int64", "connectivity", 1, nodes.flat_map(i64::to_le_bytes));
         xml += &blocks.array("Int64", "offsets", 1, ends.flat_map(i64::to_le_bytes));
         xml += &blocks.array("UInt8", "types", 1, types.into_iter());
         xml += "</Cells>\n";
@@ -98,6 +121,15 @@ impl<'a> Picture<'a> {
         bytes.extend(blocks.bytes);
         bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
         bytes
+    }
+}
+
+impl Cells<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Triangles(cells) => cells.len(),
+            Self::QuadraticTetrahedra(cells) => cells.len(),
+        }
     }
 }
 
@@ -128,6 +160,8 @@ pub fn write_series(path: &Path, pictures: &[(f64, String)]) -> Result<(), Outpu
 }
 
 const VTK_TRIANGLE: u8 = 5;
+/// Its nodes have the order of ours.
+const VTK_QUADRATIC_TETRA: u8 = 24;
 
 /// The binary tail of the file; each block is announced by an XML element with its offset.
 #[derive(Default)]

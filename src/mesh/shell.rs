@@ -51,6 +51,8 @@ pub struct ShellMesh {
     pub thickness: f64,
     /// The finite element.
     pub element: ShellElement,
+    /// Below this z all is held, mm.
+    pub clamp_top: f64,
     /// Vertices that are held.
     pub clamp: Vec<u32>,
     /// Vertices whose mean motion is the motion of the tip.
@@ -96,6 +98,7 @@ impl ShellMesh {
             stencils,
             thickness: settings.thickness,
             element: settings.element,
+            clamp_top,
             clamp,
             tip,
             base,

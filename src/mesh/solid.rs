@@ -52,6 +52,32 @@ pub const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], 
 /// The corners between which each edge midpoint of a face lies.
 pub const FACE_EDGES: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
+/// Values of the shape functions of a quadratic tetrahedron at the barycentric coordinates `l`: `l (2 l - 1)` of corners, `4 l_a l_b` of
+/// edge midpoints.
+#[must_use]
+pub fn quadratic_shapes(l: &[f64; 4]) -> [f64; 10] {
+    std::array::from_fn(|k| match k.checked_sub(4) {
+        None => l[k] * (2.0 * l[k] - 1.0),
+        Some(edge) => {
+            let [a, b] = TET_EDGES[edge];
+            4.0 * l[a] * l[b]
+        }
+    })
+}
+
+/// Their slopes with respect to the last three barycentric coordinates.
+#[must_use]
+pub fn quadratic_slopes(l: &[f64; 4]) -> [Vec3; 10] {
+    let rates = [Vec3::repeat(-1.0), Vec3::x(), Vec3::y(), Vec3::z()];
+    std::array::from_fn(|k| match k.checked_sub(4) {
+        None => (4.0 * l[k] - 1.0) * rates[k],
+        Some(edge) => {
+            let [a, b] = TET_EDGES[edge];
+            4.0 * (l[a] * rates[b] + l[b] * rates[a])
+        }
+    })
+}
+
 impl SolidMesh {
     /// The quadratic tetrahedra with the same straight edges.
     ///
@@ -90,6 +116,38 @@ impl SolidMesh {
             outer: mesh.outer.iter().map(face).collect(),
             positions,
         }
+    }
+
+    /// Nodes with `z` below `height` (mm), ascending.
+    #[must_use]
+    pub fn nodes_below(&self, height: f64) -> Vec<u32> {
+        let nodes = (0u32..).zip(&self.positions);
+        nodes.filter_map(|(node, x)| (x.z < height).then_some(node)).collect()
+    }
+
+    /// All unknowns of `nodes`, `3 node + axis`.
+    #[must_use]
+    pub fn unknowns_of(nodes: &[u32]) -> Vec<u32> {
+        nodes.iter().flat_map(|node| [3 * node, 3 * node + 1, 3 * node + 2]).collect()
+    }
+
+    /// All faces of the boundary, with normals out of the body.
+    pub fn faces(&self) -> impl Iterator<Item = [u32; 6]> {
+        let reversed = |&[a, b, c, bc, ca, ab]: &[u32; 6]| [a, c, b, bc, ab, ca];
+        self.outer.iter().copied().chain(self.chamber.iter().map(reversed))
+    }
+
+    /// The triangles between the corners of the boundary, and the node of each of their vertices `[vertices]`, ascending.
+    #[must_use]
+    pub fn boundary(&self) -> (TriangleMesh, Vec<u32>) {
+        let corners = |face: [u32; 6]| [face[0], face[1], face[2]];
+        let mut nodes: Vec<u32> = self.faces().flat_map(corners).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let vertex = |node: u32| nodes.partition_point(|&before| before < node) as u32;
+        let triangles = self.faces().map(|face| corners(face).map(vertex)).collect();
+        let positions = nodes.iter().map(|&node| self.positions[node as usize]).collect();
+        (TriangleMesh { positions, triangles }, nodes)
     }
 }
 

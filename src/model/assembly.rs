@@ -1,11 +1,14 @@
 //! From stencils to the global gradient and Hessian.
 //!
-//! Three unknowns for each node; the tangent's lower triangle by columns in 3x3 blocks. A column of blocks is
-//! stored as three columns of equal length, so that the place of a block follows from two numbers.
+//! Three unknowns for each node, and one for each of the last nodes of a mixed method ([`Nodes`]); the tangent's lower triangle by
+//! columns in 3x3 blocks. A column of blocks is stored as three columns of equal length, so that the place of a block follows from
+//! two numbers.
 //!
 //! Where the current `rayon` pool has several threads, stencils are evaluated side by side, and then every thread adds
 //! to the nodes that are its own. Each entry is a sum in the order of the stencils either way: its bits are the same
 //! for any number of threads.
+
+use std::ops::Range;
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
@@ -21,15 +24,58 @@ const LEAST_FOR_A_THREAD: usize = 16;
 /// Ranges of nodes for each thread: neighbours in a chunk are neighbours in the mesh, and their cost is uneven.
 const RANGES_OF_A_THREAD: usize = 2;
 
+/// The nodes of a model: first those with a place, then those with a single number.
+///
+/// A number (a pressure) is the first component of its node's vector in stencils, gradients and blocks; the others are
+/// not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Nodes {
+    /// Nodes with a place: three unknowns each.
+    pub places: usize,
+    /// Nodes with a number: one unknown each.
+    pub numbers: usize,
+}
+
+impl Nodes {
+    /// All nodes.
+    #[must_use]
+    pub fn count(self) -> usize {
+        self.places + self.numbers
+    }
+
+    /// The number of unknowns.
+    #[must_use]
+    pub fn unknowns(self) -> usize {
+        3 * self.places + self.numbers
+    }
+
+    /// The first unknown of `node`; after the last node, the number of unknowns.
+    #[must_use]
+    #[inline]
+    pub fn first_unknown(self, node: usize) -> usize {
+        if node <= self.places { 3 * node } else { 2 * self.places + node }
+    }
+}
+
+impl From<usize> for Nodes {
+    /// Nodes that all have a place.
+    fn from(places: usize) -> Self {
+        Self { places, numbers: 0 }
+    }
+}
+
 /// The sparsity of a set of terms, and where each stencil's blocks go.
 #[derive(Clone, Debug)]
 pub struct Assembler {
+    nodes: Nodes,
     pattern: SparsityPattern,
     /// Start of each node's block column in `block_rows`, [nodes + 1].
     block_starts: Vec<u32>,
     block_rows: Vec<u32>,
     /// Of the stencils at hand: one, or a chunk where there are several threads.
     evaluations: Vec<Evaluation>,
+    /// The nodes for which derivatives are wanted; empty: for all.
+    share: Vec<bool>,
 }
 
 /// One stencil's part of the sums.
@@ -49,23 +95,24 @@ enum Order {
     Hessian,
 }
 
-/// For each stencil of a term, the position of its lower blocks within their block columns.
+/// For each stencil of a term, the position of its lower blocks within their block columns: in blocks for nodes with a place, in
+/// rows for numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Slots(Vec<Vec<u32>>);
 
 impl Assembler {
-    /// The union of the stencils of all terms over `nodes` nodes.
+    /// The union of the stencils of all terms over `nodes`.
     #[must_use]
-    pub fn new(nodes: usize, terms: &[&dyn Term]) -> Self {
-        Self::of_stencils(nodes, terms.iter().flat_map(|term| term.stencils()))
+    pub fn new(nodes: impl Into<Nodes>, terms: &[&dyn Term]) -> Self {
+        Self::of_stencils(nodes.into(), terms.iter().flat_map(|term| term.stencils()))
     }
 
-    /// The union of `stencils` (each ascending) over `nodes` nodes.
+    /// The union of `stencils` (each ascending) over `nodes`.
     pub(super) fn of_stencils<'a>(
-        nodes: usize,
+        nodes: Nodes,
         stencils: impl Iterator<Item = &'a Vec<u32>>,
     ) -> Self {
-        let mut columns: Vec<Vec<u32>> = (0..nodes as u32).map(|v| vec![v]).collect();
+        let mut columns: Vec<Vec<u32>> = (0..nodes.count() as u32).map(|v| vec![v]).collect();
         for stencil in stencils {
             for (j, &column) in stencil.iter().enumerate() {
                 columns[column as usize].extend_from_slice(&stencil[j..]);
@@ -75,21 +122,40 @@ impl Assembler {
         let mut block_rows = Vec::new();
         let mut column_starts = vec![0];
         let mut row_indices = Vec::new();
-        for column in &mut columns {
+        let unknowns = |node: usize| nodes.first_unknown(node)..nodes.first_unknown(node + 1);
+        for (node, column) in columns.iter_mut().enumerate() {
             column.sort_unstable();
             column.dedup();
             block_rows.extend_from_slice(column);
             block_starts.push(block_rows.len() as u32);
-            for _ in 0..3 {
-                row_indices.extend(column.iter().flat_map(|&v| [3 * v, 3 * v + 1, 3 * v + 2]));
+            for _ in unknowns(node) {
+                let rows = column.iter().flat_map(|&v| unknowns(v as usize));
+                row_indices.extend(rows.map(|row| row as u32));
                 column_starts.push(row_indices.len() as u32);
             }
         }
         Self {
+            nodes,
             pattern: SparsityPattern { column_starts, row_indices },
             block_starts,
             block_rows,
             evaluations: vec![Evaluation::default()],
+            share: Vec::new(),
+        }
+    }
+
+    /// The nodes over which it sums.
+    #[must_use]
+    pub fn nodes(&self) -> Nodes {
+        self.nodes
+    }
+
+    /// From now on, derivatives leave out stencils without a node whose unknowns are in `share [unknowns]`.
+    pub fn set_share(&mut self, share: Option<&[bool]>) {
+        let nodes = 0..self.nodes.count();
+        self.share.clear();
+        if let Some(share) = share {
+            self.share.extend(nodes.map(|node| share[self.nodes.first_unknown(node)]));
         }
     }
 
@@ -106,9 +172,12 @@ impl Assembler {
     #[must_use]
     pub fn slots(&self, term: &dyn Term) -> Slots {
         let place = |column: u32, row: u32| {
-            let range = self.block_range(column);
-            let found = self.block_rows[range].binary_search(&row);
-            found.expect("the pattern holds every stencil's pairs") as u32
+            let rows = &self.block_rows[self.block_range(column)];
+            let found = rows.binary_search(&row);
+            let block = found.expect("the pattern holds every stencil's pairs");
+            let places = |rows: &[u32]| rows.partition_point(|&v| (v as usize) < self.nodes.places);
+            let row = if (row as usize) < self.nodes.places { 0 } else { 2 * places(rows) };
+            (block + row) as u32
         };
         let stencil_slots = |stencil: &Vec<u32>| {
             let pairs = stencil.iter().enumerate();
@@ -142,17 +211,18 @@ impl Assembler {
         let order = if tangent.is_some() { Order::Hessian } else { Order::Gradient };
         self.for_each_chunk(term, positions, order, |assembler, first, evaluations| {
             let chunk = Chunk {
+                nodes: assembler.nodes,
                 starts: &assembler.pattern.column_starts,
                 stencils: &term.stencils()[first..],
                 slots: slots.0.get(first..).unwrap_or_default(),
                 evaluations,
             };
-            let target =
-                Target { first_node: 0, residual: &mut *residual, tangent: tangent.as_deref_mut() };
+            let nodes = assembler.nodes.count();
+            let tangent = tangent.as_deref_mut();
+            let target = Target { nodes: 0..nodes, residual: &mut *residual, tangent };
             if evaluations.len() == 1 {
                 chunk.add_to(target);
             } else {
-                let nodes = assembler.block_starts.len() - 1;
                 let least = nodes / (RANGES_OF_A_THREAD * rayon::current_num_threads());
                 chunk.add_in_parallel(target, least.max(1));
             }
@@ -178,7 +248,11 @@ impl Assembler {
         for first in (0..stencils.len()).step_by(size) {
             let chunk = &mut evaluations[..size.min(stencils.len() - first)];
             let evaluate = |(k, evaluation): (usize, &mut Evaluation)| {
-                evaluation.evaluate(term, first + k, positions, order);
+                if order == Order::Energy || self.shares(&stencils[first + k]) {
+                    evaluation.evaluate(term, first + k, positions, order);
+                } else {
+                    evaluation.energy = None;
+                }
             };
             if alone {
                 evaluate((0, &mut chunk[0]));
@@ -200,7 +274,12 @@ impl Assembler {
         sum
     }
 
-    fn block_range(&self, column: u32) -> std::ops::Range<usize> {
+    /// Whether a node of `stencil` is in the share.
+    fn shares(&self, stencil: &[u32]) -> bool {
+        self.share.is_empty() || stencil.iter().any(|&node| self.share[node as usize])
+    }
+
+    fn block_range(&self, column: u32) -> Range<usize> {
         let column = column as usize;
         self.block_starts[column] as usize..self.block_starts[column + 1] as usize
     }
@@ -224,6 +303,7 @@ impl Evaluation {
 /// Evaluated stencils.
 #[derive(Clone, Copy)]
 struct Chunk<'a> {
+    nodes: Nodes,
     starts: &'a [u32],
     stencils: &'a [Vec<u32>],
     slots: &'a [Vec<u32>],
@@ -232,7 +312,7 @@ struct Chunk<'a> {
 
 /// The unknowns of successive nodes, and their columns.
 struct Target<'a> {
-    first_node: usize,
+    nodes: Range<usize>,
     residual: &'a mut [f64],
     tangent: Option<&'a mut [f64]>,
 }
@@ -240,57 +320,75 @@ struct Target<'a> {
 impl Chunk<'_> {
     /// Adds what concerns the target's nodes; halves of it side by side while it has more than `least` nodes.
     fn add_in_parallel(self, target: Target<'_>, least: usize) {
-        let nodes = target.residual.len() / 3;
-        if nodes <= least {
+        if target.nodes.len() <= least {
             return self.add_to(target);
         }
-        let middle = target.first_node + nodes / 2;
-        let (before, after) = target.split(middle, self.starts);
+        let (before, after) = self.split(target);
         rayon::join(|| self.add_in_parallel(before, least), || self.add_in_parallel(after, least));
+    }
+
+    /// The first half of the target's nodes, and the others.
+    fn split<'a>(&self, target: Target<'a>) -> (Target<'a>, Target<'a>) {
+        let Target { nodes: Range { start, end }, residual, tangent } = target;
+        let middle = start + (end - start) / 2;
+        let [first, middle_unknown] = [start, middle].map(|node| self.nodes.first_unknown(node));
+        let (before, after) = residual.split_at_mut(middle_unknown - first);
+        let stored = self.starts[middle_unknown] - self.starts[first];
+        let (left, right) = tangent.map(|t| t.split_at_mut(stored as usize)).unzip();
+        (
+            Target { nodes: start..middle, residual: before, tangent: left },
+            Target { nodes: middle..end, residual: after, tangent: right },
+        )
     }
 
     fn add_to(self, mut target: Target<'_>) {
         for (k, (evaluation, stencil)) in self.evaluations.iter().zip(self.stencils).enumerate() {
             if evaluation.energy.is_some() {
                 let slots = self.slots.get(k).map_or(&[][..], Vec::as_slice);
-                target.add(&evaluation.local, stencil, slots, self.starts);
+                self.add(&mut target, &evaluation.local, stencil, slots);
             }
         }
     }
-}
-
-impl<'a> Target<'a> {
-    /// The nodes before `middle`, and the others.
-    fn split(self, middle: usize, starts: &[u32]) -> (Self, Self) {
-        let (before, after) = self.residual.split_at_mut(3 * (middle - self.first_node));
-        let stored = starts[3 * middle] - starts[3 * self.first_node];
-        let (left, right) = self.tangent.map(|t| t.split_at_mut(stored as usize)).unzip();
-        (
-            Self { residual: before, tangent: left, ..self },
-            Self { first_node: middle, residual: after, tangent: right },
-        )
-    }
 
     #[inline]
-    fn add(&mut self, local: &LocalDerivatives, stencil: &[u32], slots: &[u32], starts: &[u32]) {
-        let (first, end) = (self.first_node, self.first_node + self.residual.len() / 3);
-        let residual = self.residual.as_chunks_mut::<3>().0;
+    fn add(
+        &self,
+        target: &mut Target<'_>,
+        local: &LocalDerivatives,
+        stencil: &[u32],
+        slots: &[u32],
+    ) {
+        let first = self.nodes.first_unknown(target.nodes.start);
         // Stencils ascend.
-        let own = stencil.partition_point(|&node| (node as usize) < first);
+        let own = stencil.partition_point(|&node| (node as usize) < target.nodes.start);
+        let places = stencil.partition_point(|&node| (node as usize) < self.nodes.places);
         for (j, &node) in stencil.iter().enumerate().skip(own) {
             let node = node as usize;
-            if node >= end {
+            if node >= target.nodes.end {
                 break;
             }
-            for (sum, value) in residual[node - first].iter_mut().zip(&local.gradient()[j]) {
+            let [begin, end] = [node, node + 1].map(|node| self.nodes.first_unknown(node));
+            let own = &mut target.residual[begin - first..end - first];
+            for (sum, value) in own.iter_mut().zip(&local.gradient()[j]) {
                 *sum += value;
             }
-            if let Some(tangent) = self.tangent.as_deref_mut() {
-                let start = (starts[3 * node] - starts[3 * first]) as usize;
-                let end = (starts[3 * node + 3] - starts[3 * first]) as usize;
+            if let Some(tangent) = target.tangent.as_deref_mut() {
+                let [begin, end] = [begin, end]
+                    .map(|unknown| (self.starts[unknown] - self.starts[first]) as usize);
                 let blocks = local.column(j);
                 let before = local.column_start(j);
-                add_column(&mut tangent[start..end], blocks, &slots[before..before + blocks.len()]);
+                let slots = &slots[before..before + blocks.len()];
+                let column = &mut tangent[begin..end];
+                let (placed, numbers) = blocks.split_at(places.saturating_sub(j));
+                let (placed_slots, number_slots) = slots.split_at(placed.len());
+                if j < places {
+                    add_column(column, placed, placed_slots);
+                    add_rows(column, numbers, number_slots);
+                } else {
+                    for (block, &slot) in numbers.iter().zip(number_slots) {
+                        column[slot as usize] += block[(0, 0)];
+                    }
+                }
             }
         }
     }
@@ -308,6 +406,17 @@ fn add_column(column: &mut [f64], blocks: &[Matrix3<f64>], slots: &[u32]) {
         add_to(&mut first[slot as usize], one);
         add_to(&mut second[slot as usize], two);
         add_to(&mut third[slot as usize], three);
+    }
+}
+
+/// Adds the first row of blocks at their places in a column of blocks.
+#[inline]
+fn add_rows(column: &mut [f64], blocks: &[Matrix3<f64>], slots: &[u32]) {
+    let height = column.len() / 3;
+    for (block, &slot) in blocks.iter().zip(slots) {
+        for (k, value) in block.row(0).iter().enumerate() {
+            column[k * height + slot as usize] += value;
+        }
     }
 }
 

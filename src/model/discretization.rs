@@ -1,4 +1,4 @@
-//! A shell's nodes, the wall over them, and the points of its surface: what a model is built on.
+//! The nodes of a shell or of a solid, the wall over them, and the points of its surface: what a model is built on.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use super::edge_support::{
     EdgeSupport, EdgeSupports, Supported, supports_of_control_points, supports_of_facets,
 };
 use super::element::{
-    ElementPoints, LoopBasis, LoopShell, MidEdgeShell, SampledSurface, ascending,
+    ElementPoints, LoopBasis, LoopShell, MidEdgeShell, SampledSurface, TaylorHood, ascending,
     fitted_control_points, mid_edge_patches, volume_matched,
 };
 use super::load::{
@@ -19,19 +19,22 @@ use super::patch_model::PatchLoads;
 use super::system::Inadmissible;
 use super::tie::Ties;
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{BoundaryEdge, Patch, ShellElement, ShellMesh, Side, Stencil};
+use crate::mesh::{BoundaryEdge, Patch, ShellElement, ShellMesh, Side, SolidMesh, Stencil};
 
-/// The stored energy of a wall of either element.
+/// The stored energy of a wall of any element.
 #[derive(Clone, Debug)]
 pub(super) enum Wall {
     Loop(LoopShell),
     MidEdge(MidEdgeShell),
+    Solid(TaylorHood),
 }
 
 /// What a model is built on.
 pub(super) struct Discretization {
     /// Nodes at rest, mm.
     pub(super) reference: Vec<Vec3>,
+    /// Nodes after them whose unknown is a pressure.
+    pub(super) pressures: usize,
     pub(super) wall: Wall,
     /// Of each triangle.
     pub(super) points: Vec<ElementPoints>,
@@ -73,7 +76,39 @@ impl Discretization {
         };
         let surface = SampledSurface::new(triangles, &points, mesh.surface.positions.len());
         let (ties, held) = (Ties::default(), Vec::new());
-        Ok(Self { reference, wall, points, surface, ties, held, areas, thickness })
+        Ok(Self { reference, pressures: 0, wall, points, surface, ties, held, areas, thickness })
+    }
+
+    /// Of a solid wall about `thickness` (mm) thick.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a cell is inverted at rest, or the material has no law for solids.
+    pub(super) fn solid(
+        mesh: &SolidMesh,
+        thickness: f64,
+        material: &Material,
+    ) -> Result<Self, Rejected> {
+        let law = material.solid().ok_or_else(|| {
+            let detail = "the material is one of shells alone".to_owned();
+            Rejected::new(Room::Model, "no_solid_law", detail, 1.0)
+        })?;
+        let (boundary, nodes) = mesh.boundary();
+        let areas = facet_areas(&boundary.triangles, &boundary.positions);
+        let size = (areas.iter().sum::<f64>() / areas.len() as f64).sqrt();
+        let wall = Wall::Solid(TaylorHood::new(mesh, law, size)?);
+        let points: Vec<_> = mesh.faces().map(ElementPoints::of_quadratic).collect();
+        let surface = SampledSurface::new(&boundary.triangles, &points, nodes.len());
+        Ok(Self {
+            reference: mesh.positions.clone(),
+            pressures: mesh.corners,
+            wall,
+            points,
+            surface,
+            ties: Ties::default(),
+            held: Vec::new(),
+            areas,
+            thickness,
+        })
     }
 
     /// Of an open patch.
@@ -113,7 +148,7 @@ impl Discretization {
         };
         let Supported { ties, held } = supported;
         let surface = SampledSurface::new(triangles, &points, patch.vertices());
-        Ok(Self { reference, wall, points, surface, ties, held, areas, thickness })
+        Ok(Self { reference, pressures: 0, wall, points, surface, ties, held, areas, thickness })
     }
 
     /// The pressure on a patch: of its chamber, closed by its cuts in the planes of symmetry; where a side is open, of the volume
@@ -318,7 +353,7 @@ impl Discretization {
                 let corners = patch.surface.triangles[triangle];
                 ascending(&corners, &[[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
             }
-            Wall::Loop(_) => {
+            Wall::Loop(_) | Wall::Solid(_) => {
                 let rows = LoopBasis::regular(v, w);
                 let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
                 ascending(&patch.stencils[triangle].nodes, &rows)
@@ -370,6 +405,7 @@ impl Wall {
         match self {
             Self::Loop(wall) => wall.creased_share(),
             Self::MidEdge(wall) => wall.creased_share(),
+            Self::Solid(_) => 0.0,
         }
     }
 }
@@ -379,6 +415,7 @@ impl Term for Wall {
         match self {
             Self::Loop(wall) => wall.stencils(),
             Self::MidEdge(wall) => wall.stencils(),
+            Self::Solid(wall) => wall.stencils(),
         }
     }
 
@@ -386,6 +423,7 @@ impl Term for Wall {
         match self {
             Self::Loop(wall) => wall.energy(s, x),
             Self::MidEdge(wall) => wall.energy(s, x),
+            Self::Solid(wall) => wall.energy(s, x),
         }
     }
 
@@ -398,6 +436,7 @@ impl Term for Wall {
         match self {
             Self::Loop(wall) => wall.derivatives(s, x, local),
             Self::MidEdge(wall) => wall.derivatives(s, x, local),
+            Self::Solid(wall) => wall.derivatives(s, x, local),
         }
     }
 }

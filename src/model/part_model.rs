@@ -1,29 +1,35 @@
-//! The model of one part: a wall, the loads on it, and the planes it may touch.
+//! The model of one part: a wall, of shells or of solid cells, the loads on it, and the planes it may touch.
 //!
 //! ```text
 //! E(u) = W(u) - p V(u) - f . u - moments(u) + barriers(u) + friction(u)       u = displacement of the nodes
 //! ```
 //!
-//! Follower forces of an open patch have no part in the energy: they act in the residual alone.
+//! Follower forces of an open patch have no part in the energy: they act in the residual alone. The unknowns of solid cells are
+//! displacements and then pressures.
 //!
 //! What a scene does not list is not assembled: without planes there is no contact term at all.
 
-use super::assembly::{Assembler, Slots};
+use std::ops::Range;
+
+use super::assembly::{Assembler, Nodes, Slots};
 use super::contact::self_contact::Folds;
-use super::contact::{PlaneSettings, Planes};
+use super::contact::{Faces, PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::element::SampledSurface;
+use super::element::{ElementPoints, Sample, SampledSurface, ascending};
 use super::load::{ChamberPressure, EdgeMoment, FollowerLoads};
 use super::local::Term;
 use super::material::Material;
 use super::stretch_bound::StretchBound;
-use super::system::{Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPattern, System};
+use super::system::{
+    Inadmissible, Layout, Limit, LimitKind, LoadedSystem, Multiplier, SparsityPattern, System,
+};
 use super::tie::{Tied, Ties};
-use crate::math::{Rejected, Vec3};
-use crate::mesh::ShellMesh;
+use crate::math::{Rejected, Room, Vec3};
+use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
+use crate::surface::TriangleMesh;
 
-/// The energy of a loaded shell over the displacements of its nodes.
+/// The energy of a loaded part over the displacements of its nodes.
 #[derive(Clone, Debug)]
 pub struct PartModel {
     /// Nodes at rest, mm.
@@ -50,6 +56,8 @@ pub struct PartModel {
     pub(super) force_scale: f64,
     energy_rounding: f64,
     pub(super) surface: SampledSurface,
+    /// Points whose displacements are shown.
+    shown: Vec<Sample>,
     stretch_bound: StretchBound,
 }
 
@@ -86,14 +94,64 @@ impl PartModel {
         let mut model = Self::assembled(parts, Some(chamber), None, held, material);
         model.pressure = 1.0;
         model.watch_folds(true);
-        model.place(planes, mesh.thickness);
+        model.place(planes, Faces::about_middle(mesh.thickness));
         Ok(model)
     }
 
-    /// Places `planes` before the wall of `thickness`, mm.
-    pub(super) fn place(&mut self, planes: &[PlaneSettings], thickness: f64) {
+    /// The solid wall of `mesh`, about `thickness` (mm) thick, made of `material`, with the unknowns `held` (`3 node + axis`) and the planes of the scene;
+    /// its load is the pressure in the chamber.
+    ///
+    /// What is shown are the corners of its boundary, until [`Self::show`] says otherwise.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a cell is inverted at rest, or the material has no law for solids.
+    pub fn of_solid(
+        mesh: &SolidMesh,
+        thickness: f64,
+        material: &Material,
+        held: Vec<u32>,
+        planes: &[PlaneSettings],
+    ) -> Result<Self, Rejected> {
+        let parts = Discretization::solid(mesh, thickness, material)?;
+        let points: Vec<ElementPoints> =
+            mesh.chamber.iter().map(|&face| ElementPoints::of_quadratic(face)).collect();
+        let chamber = (!points.is_empty()).then(|| ChamberPressure::new(&points));
+        let mut model = Self::assembled(parts, chamber, None, held, material);
+        model.pressure = 1.0;
+        model.place(planes, Faces::sampled(thickness));
+        Ok(model)
+    }
+
+    /// Shows the displacements of the body at `points` (mm, at rest) from now on; `mesh` is that of the model.
+    ///
+    /// # Errors
+    /// [`Rejected`] when a point lies far outside the body.
+    pub fn show(&mut self, mesh: &SolidMesh, points: &[Vec3]) -> Result<(), Rejected> {
+        let sample = |(location, point): (Option<Location>, &Vec3)| {
+            let Location { cell, barycentric } = location.ok_or_else(|| {
+                let detail = format!(
+                    "({:.3}, {:.3}, {:.3}) mm lies in no cell of the wall",
+                    point.x, point.y, point.z
+                );
+                Rejected::new(Room::Model, "outside_wall", detail, 1.0)
+            })?;
+            let weights = quadratic_shapes(&barycentric).map(|weight| [weight]);
+            let (nodes, weights) = ascending(&mesh.tetrahedra[cell], &weights);
+            Ok(Sample { nodes, weights: weights.iter().map(|[weight]| *weight).collect() })
+        };
+        self.shown = mesh
+            .locate(points)
+            .into_iter()
+            .zip(points)
+            .map(sample)
+            .collect::<Result<_, Rejected>>()?;
+        Ok(())
+    }
+
+    /// Places `planes` before the wall with `faces`.
+    pub(super) fn place(&mut self, planes: &[PlaneSettings], faces: Faces) {
         let Self { surface, reference, ties, assembler, .. } = self;
-        self.planes = Planes::new(planes, surface, reference, thickness, ties, assembler);
+        self.planes = Planes::new(planes, surface, reference, faces, ties, assembler);
     }
 
     /// The model of `parts`; the loads are still to be set.
@@ -112,13 +170,15 @@ impl PartModel {
         let chamber = chamber.map(tied);
         let moments = moments.map(|term| Tied::new(term, &ties, &reference));
         // The stencils of all other terms lie within those of elements, so the wall alone makes the pattern.
-        let assembler = Assembler::new(reference.len(), &[&wall]);
-        let mut is_used = vec![false; reference.len()];
+        let nodes = Nodes { places: reference.len(), numbers: parts.pressures };
+        let assembler = Assembler::new(nodes, &[&wall]);
+        let mut is_used = vec![false; nodes.count()];
         wall.stencils().iter().flatten().for_each(|&v| is_used[v as usize] = true);
         held.extend(parts.held);
-        held.extend(
-            (0..3 * reference.len() as u32).filter(|unknown| !is_used[*unknown as usize / 3]),
-        );
+        let unused = (0..nodes.count()).filter(|&node| !is_used[node]);
+        held.extend(unused.flat_map(|node| {
+            nodes.first_unknown(node) as u32..nodes.first_unknown(node + 1) as u32
+        }));
         Self {
             wall_slots: assembler.slots(&wall),
             chamber_slots: chamber.as_ref().map(|term| assembler.slots(term)).unwrap_or_default(),
@@ -138,6 +198,7 @@ impl PartModel {
             // Invariants of an undeformed wall carry a rounding of 1e-16 each, of either sign.
             energy_rounding: 1e-17 * material.young_modulus() * parts.thickness * area,
             stretch_bound: StretchBound::new(&surface, &reference),
+            shown: surface.samples[..surface.vertices].to_vec(),
             surface,
             ties,
             wall,
@@ -145,6 +206,13 @@ impl PartModel {
             assembler,
             reference,
         }
+    }
+
+    /// Encloses another chamber, with stencils within those of elements.
+    pub(super) fn replace_chamber(&mut self, chamber: ChamberPressure) {
+        let chamber = Tied::new(chamber, &self.ties, &self.reference);
+        self.chamber_slots = self.assembler.slots(&chamber);
+        self.chamber = Some(chamber);
     }
 
     /// Adds forces without a potential.
@@ -157,7 +225,7 @@ impl PartModel {
     /// The number of unknowns, held ones included.
     #[must_use]
     pub fn unknowns(&self) -> usize {
-        3 * self.reference.len()
+        self.assembler.nodes().unknowns()
     }
 
     /// The number of unknowns that may move.
@@ -180,7 +248,16 @@ impl PartModel {
     /// Where the unknown `unknown` acts, at displacement `u`: the position of its node, mm.
     #[must_use]
     pub fn place_of(&self, unknown: usize, u: &[f64]) -> Vec3 {
-        self.displaced(u)[unknown / 3]
+        let node = unknown / 3;
+        let corner = || unknown - 3 * self.reference.len();
+        self.displaced(u)[if node < self.reference.len() { node } else { corner() }]
+    }
+
+    /// The surface at rest that carries pressure and contact: of a Loop shell its limit surface, a facet for each quarter of a triangle.
+    #[must_use]
+    pub fn rest_surface(&self) -> TriangleMesh {
+        let SampledSurface { facets, .. } = &self.surface;
+        TriangleMesh { positions: self.surface.at(&self.reference), triangles: facets.clone() }
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.
@@ -189,17 +266,18 @@ impl PartModel {
         self.wall.inner().creased_share()
     }
 
-    /// Displacements of the mesh's vertices, mm.
+    /// Displacements of the mesh's vertices, or of what a solid shows, mm.
     #[must_use]
     pub fn vertex_displacements(&self, u: &[f64]) -> Vec<Vec3> {
         let u = self.displacements(u);
-        self.surface.samples[..self.surface.vertices].iter().map(|s| s.point(&u)).collect()
+        self.shown.iter().map(|sample| sample.point(&u)).collect()
     }
 
     /// Displacements of all nodes, mm.
     fn displacements(&self, u: &[f64]) -> Vec<Vec3> {
         assert_eq!(u.len(), self.unknowns());
-        let mut u: Vec<Vec3> = u.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
+        let (places, _) = u.split_at(3 * self.reference.len());
+        let mut u: Vec<Vec3> = places.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();
         self.ties.displace(&mut u);
         u
     }
@@ -211,16 +289,19 @@ impl PartModel {
         x
     }
 
-    /// Positions as the tied terms take them: at rest, plus the unknowns.
+    /// Positions as the tied terms take them: at rest, plus the unknowns; then the pressures.
     fn untied(&self, u: &[f64]) -> Vec<Vec3> {
         assert_eq!(u.len(), self.unknowns());
-        self.reference.iter().zip(u.as_chunks().0).map(|(x, &u)| x + Vec3::from(u)).collect()
+        let (places, pressures) = u.split_at(3 * self.reference.len());
+        let places = self.reference.iter().zip(places.as_chunks().0);
+        let places = places.map(|(x, &u)| x + Vec3::from(u));
+        places.chain(pressures.iter().map(|&q| Vec3::new(q, 0.0, 0.0))).collect()
     }
 
     /// Plans the tangent anew, with `room` (stencils) besides what the wall's elements couple.
     pub(super) fn plan(&mut self, room: &[Vec<u32>]) {
         let stencils = self.wall.stencils().iter().chain(room);
-        self.assembler = Assembler::of_stencils(self.reference.len(), stencils);
+        self.assembler = Assembler::of_stencils(self.assembler.nodes(), stencils);
         let assembler = &self.assembler;
         self.wall_slots = assembler.slots(&self.wall);
         if let Some(chamber) = &self.chamber {
@@ -352,6 +433,29 @@ impl System for PartModel {
         self.make_room_for_folds(u)
     }
 
+    fn multipliers(&self) -> Range<usize> {
+        3 * self.reference.len()..self.unknowns()
+    }
+
+    fn layout(&self) -> Option<Layout> {
+        let multipliers = match self.wall.inner() {
+            Wall::Solid(body) => {
+                let nodes = 0..self.multipliers().len() as u32;
+                let complements = body.pressure_complements(nodes.len());
+                nodes
+                    .zip(complements)
+                    .map(|(node, complement)| Multiplier { node, complement })
+                    .collect()
+            }
+            Wall::Loop(_) | Wall::MidEdge(_) => Vec::new(),
+        };
+        Some(Layout { nodes: self.reference.clone(), multipliers })
+    }
+
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        self.assembler.set_share(share);
+    }
+
     fn is_conservative(&self) -> bool {
         self.followers.is_none()
     }
@@ -414,6 +518,7 @@ impl LoadedSystem for PartModel {
         for (gradient, force) in gradient.iter_mut().zip(&self.forces) {
             *gradient += force;
         }
+        direction.fill(0.0);
         for (out, gradient) in direction.as_chunks_mut().0.iter_mut().zip(gradient) {
             *out = gradient.into();
         }

@@ -1,6 +1,6 @@
 //! The model of an open patch: its supports, its loads.
 
-use super::contact::PlaneSettings;
+use super::contact::{Faces, PlaneSettings};
 use super::discretization::Discretization;
 use super::edge_support::{EdgeSupport, EdgeSupports};
 use super::load::{DeadLoad, EdgeMoment, FollowerForce, FollowerLoads, Loaded};
@@ -108,7 +108,7 @@ impl PartModel {
                 "nothing of the patch can move; it wants more cells between its held sides";
             return Err(Rejected::new(Room::Model, "nothing_moves", detail.to_owned(), 1.0));
         }
-        model.place(&loads.planes, patch.thickness);
+        model.place(&loads.planes, Faces::about_middle(patch.thickness));
         model.pressure = loads.pressure;
         model.forces = forces;
         if !carriers.is_empty() {

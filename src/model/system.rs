@@ -6,6 +6,10 @@
 //!
 //! Forces without a potential may be added to the residual: [`System::is_conservative`].
 
+use std::ops::Range;
+
+use crate::math::Vec3;
+
 /// A state at which the energy is not defined: an element turned inside out, a wall behind the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("inadmissible state: {0}")]
@@ -46,6 +50,24 @@ impl SparsityPattern {
     pub fn stored(&self) -> usize {
         self.row_indices.len()
     }
+}
+
+/// Where the unknowns of a system act, for a solver that spreads it over several processes or coarsens it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// Places at rest, mm, of the nodes `v` whose unknowns `3 v`, `3 v + 1`, `3 v + 2` are displacements.
+    pub nodes: Vec<Vec3>,
+    /// The multipliers, which are the unknowns after those.
+    pub multipliers: Vec<Multiplier>,
+}
+
+/// What a solver may know of a multiplier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multiplier {
+    /// The node at whose place it acts.
+    pub node: u32,
+    /// About what is left of its diagonal entry when the displacements are eliminated, with the sign changed: positive.
+    pub complement: f64,
 }
 
 /// A potential energy over `n` unknowns, with derivatives.
@@ -99,9 +121,29 @@ pub trait System {
         false
     }
 
-    /// The number of negative pivots of the tangent at a stable equilibrium (0 unless there are multipliers).
+    /// The unknowns in which the energy of a stable equilibrium is largest, not least: the pressures of a mixed method.
+    ///
+    /// Where there are some, the energy is none to be lowered step by step, and Newton's method watches the residual.
+    fn multipliers(&self) -> Range<usize> {
+        0..0
+    }
+
+    /// The number of negative pivots of the tangent at a stable equilibrium: one for each multiplier.
     fn stable_negative_pivots(&self) -> usize {
-        0
+        self.multipliers().len()
+    }
+
+    /// Where the unknowns act; none where a system has no places.
+    fn layout(&self) -> Option<Layout> {
+        None
+    }
+
+    /// Until told otherwise, [`Self::residual`] and [`Self::tangent`] may leave incomplete what no unknown of the `share [n]` has a
+    /// part in: other entries of the residual, entries of the tangent of which neither end is in the share, and the energy they return.
+    ///
+    /// So several processes evaluate a system together. A system that does all nonetheless is right, and slower.
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        let _ = share;
     }
 
     /// Whether the residual is the energy's gradient and the tangent its whole derivative.

@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::canvas::{
-    self, Area, Drawn, Frame, Mark, OTHERS, OURS, SMITH, Shape, linear_range, log_range,
+    self, Area, Drawn, Frame, INK, Mark, OTHERS, OURS, SMITH, Shape, linear_range, log_range,
 };
 use super::literature::{Published, Set, Technique, published};
 
@@ -27,22 +27,24 @@ pub struct FrontPoint {
     pub max_force: f64,
 }
 
-/// The figure of a `front`, over every evaluated pair of objectives (bending, blocking), as SVG.
+/// The figure of a `front`, over every evaluated pair of objectives (bending, blocking), with the front of `solids` if there is one, as
+/// SVG.
 ///
 /// # Panics
 /// Never: drawing into a string cannot fail.
 #[must_use]
-pub fn front_svg(front: &[FrontPoint], evaluated: &[[f64; 2]]) -> String {
+pub fn front_svg(front: &[FrontPoint], evaluated: &[[f64; 2]], solids: &[FrontPoint]) -> String {
     canvas::svg((1240, 640), |area| {
         let (panels, legend) = area.split_vertically(536);
         let (left, right) = panels.split_horizontally(620);
-        draw_objectives(area, &left, front, evaluated)?;
-        draw_comparison(area, &right, front)?;
-        draw_legends(&legend)
+        draw_objectives(area, &left, front, evaluated, solids)?;
+        draw_comparison(area, &right, front, solids)?;
+        draw_legends(&legend, !solids.is_empty())
     })
 }
 
 const FRONT: Mark = Mark { shape: Shape::Disk, color: OURS, radius: 5 };
+const SOLIDS: Mark = Mark { shape: Shape::Square, color: INK, radius: 4 };
 const EVALUATED: Mark = Mark { shape: Shape::Disk, color: RGBColor(205, 210, 216), radius: 2 };
 /// The band around a mark that a label may not cover, pixels.
 const CLEARANCE: i32 = 5;
@@ -52,15 +54,18 @@ fn draw_objectives(
     panel: &Area<'_>,
     front: &[FrontPoint],
     evaluated: &[[f64; 2]],
+    solids: &[FrontPoint],
 ) -> Drawn {
     let is_finite = |[x, y]: &[f64; 2]| x.is_finite() && y.is_finite();
+    let solids = solids.iter().map(|point| [point.bending, point.blocking]);
+    let solids: Vec<_> = solids.filter(is_finite).map(|at| (at, "")).collect();
     let named: Vec<_> = front
         .iter()
         .map(|point| ([point.bending, point.blocking], point.id.as_str()))
         .filter(|(at, _)| is_finite(at))
         .collect();
     let evaluated: Vec<_> = evaluated.iter().copied().filter(is_finite).collect();
-    let all = named.iter().map(|(at, _)| at).chain(&evaluated);
+    let all = named.iter().chain(&solids).map(|(at, _)| at).chain(&evaluated);
 
     let x = linear_range(all.clone().map(|at| at[0]));
     let y = linear_range(all.map(|at| at[1]));
@@ -70,19 +75,31 @@ fn draw_objectives(
         EVALUATED.draw(whole, chart.backend_coord(&(at[0], at[1])))?;
     }
     chart.draw_series(LineSeries::new(staircase(&named), OURS.mix(0.45).stroke_width(1)))?;
+    chart.draw_series(LineSeries::new(staircase(&solids), INK.mix(0.45).stroke_width(1)))?;
+    for (at, _) in &solids {
+        SOLIDS.draw(whole, chart.backend_coord(&(at[0], at[1])))?;
+    }
     let marks: Vec<_> =
         named.iter().map(|(at, id)| (chart.backend_coord(&(at[0], at[1])), *id)).collect();
     draw_front(whole, frame_of(chart.plotting_area()), Vec::new(), marks)
 }
 
-fn draw_comparison(whole: &Area<'_>, panel: &Area<'_>, front: &[FrontPoint]) -> Drawn {
+fn draw_comparison(
+    whole: &Area<'_>,
+    panel: &Area<'_>,
+    front: &[FrontPoint],
+    solids: &[FrontPoint],
+) -> Drawn {
     let has_place = |x: f64, y: f64| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite();
-    let named: Vec<_> =
-        front.iter().filter(|point| has_place(point.figure_of_merit, point.max_force)).collect();
+    let placed = |front: &'_ [FrontPoint]| -> Vec<FrontPoint> {
+        let points = front.iter();
+        points.filter(|point| has_place(point.figure_of_merit, point.max_force)).cloned().collect()
+    };
+    let (named, solids) = (placed(front), placed(solids));
     let others = published();
-    let x = named.iter().map(|point| point.figure_of_merit);
+    let x = named.iter().chain(&solids).map(|point| point.figure_of_merit);
     let x = log_range(x.chain(others.iter().map(|point| point.figure_of_merit)));
-    let y = named.iter().map(|point| point.max_force);
+    let y = named.iter().chain(&solids).map(|point| point.max_force);
     let y = log_range(y.chain(others.iter().map(|point| point.max_force)));
     let mut chart = canvas::panel(panel, "Against the literature (Smith et al. 2022, Fig. 3)")?
         .build_cartesian_2d(x.log_scale(), y.log_scale())?;
@@ -92,6 +109,9 @@ fn draw_comparison(whole: &Area<'_>, panel: &Area<'_>, front: &[FrontPoint]) -> 
         let at = chart.backend_coord(&(point.figure_of_merit, point.max_force));
         mark_of(point).draw(whole, at)?;
         taken.push(Frame::around(at, CLEARANCE));
+    }
+    for point in &solids {
+        SOLIDS.draw(whole, chart.backend_coord(&(point.figure_of_merit, point.max_force)))?;
     }
     let marks = named
         .iter()
@@ -150,10 +170,14 @@ fn mark_of(point: &Published) -> Mark {
     Mark { shape, color, radius }
 }
 
-fn draw_legends(area: &Area<'_>) -> Drawn {
+fn draw_legends(area: &Area<'_>, with_solids: bool) -> Drawn {
     let mark = |shape, color, radius| Mark { shape, color, radius };
+    let mut ours = vec![(FRONT, "front of this run"), (EVALUATED, "evaluated designs")];
+    if with_solids {
+        ours.push((SOLIDS, "front as solids"));
+    }
     let columns = [
-        vec![(FRONT, "front of this run"), (EVALUATED, "evaluated designs")],
+        ours,
         vec![
             (mark(Shape::HollowSquare, SMITH, 4), "Smith 2022, shell front"),
             (mark(Shape::Square, SMITH, 4), "Smith 2022, front as solids"),
@@ -204,7 +228,7 @@ mod tests {
     #[test]
     fn every_design_has_its_mark_and_name_in_both_panels() {
         let front = [point(1, 9.0), point(2, 3.0), point(4, 1.0)];
-        let svg = front_svg(&front, &[[0.0, 0.0], [0.2, 0.1]]);
+        let svg = front_svg(&front, &[[0.0, 0.0], [0.2, 0.1]], &[]);
         let marks = marks(&svg);
         // Three in each panel and one in the legend.
         assert_eq!(marks.len(), 7);
@@ -225,17 +249,18 @@ mod tests {
     #[test]
     fn the_same_numbers_make_the_same_bytes() {
         let front = [point(1, 9.0), point(2, 3.0)];
-        assert_eq!(front_svg(&front, &[[0.1, 0.1]]), front_svg(&front, &[[0.1, 0.1]]));
-        assert_ne!(front_svg(&front, &[[0.1, 0.1]]), front_svg(&front[..1], &[[0.1, 0.1]]));
+        let svg = |front: &[FrontPoint]| front_svg(front, &[[0.1, 0.1]], &[]);
+        assert_eq!(svg(&front), svg(&front));
+        assert_ne!(svg(&front), svg(&front[..1]));
     }
 
     #[test]
     fn what_has_no_place_on_an_axis_is_left_out() {
         let svg =
-            front_svg(&[point(1, 0.0), point(2, f64::NAN), point(3, 1.0)], &[[f64::NAN, 0.0]]);
+            front_svg(&[point(1, 0.0), point(2, f64::NAN), point(3, 1.0)], &[[f64::NAN, 0.0]], &[]);
         assert_eq!(marks(&svg).len(), 3 + 1 + 1);
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
-        assert_eq!(marks(&front_svg(&[], &[])).len(), 1);
+        assert_eq!(marks(&front_svg(&[], &[], &[])).len(), 1);
     }
 
     #[test]

@@ -15,6 +15,20 @@ pub enum Backend {
     Petsc,
 }
 
+/// How linear systems are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LinearMethod {
+    /// By size: a factorisation while that is the faster.
+    #[default]
+    #[serde(rename = "auto")]
+    Automatic,
+    /// A sparse factorisation, which counts negative pivots.
+    Direct,
+    /// A preconditioned iteration, for solids (systems with multipliers that know their places) by PETSc; all else is factorised.
+    Iterative,
+}
+
 impl Backend {
     /// Whether this program was built with the library.
     #[must_use]
@@ -30,10 +44,26 @@ impl Backend {
         self,
         pattern: &SparsityPattern,
     ) -> Result<Box<dyn EquilibriumSolver>, SolverFailure> {
+        self.solver_by(LinearMethod::Automatic, pattern)
+    }
+
+    /// A solver for systems with `pattern` that solves linear systems by `method`, if it has it.
+    ///
+    /// # Errors
+    /// As [`Self::solver`].
+    pub fn solver_by(
+        self,
+        method: LinearMethod,
+        pattern: &SparsityPattern,
+    ) -> Result<Box<dyn EquilibriumSolver>, SolverFailure> {
         match self {
+            Self::Native if method == LinearMethod::Iterative => Err(SolverFailure {
+                library: "faer",
+                message: "it factorises, and has no iteration".to_owned(),
+            }),
             Self::Native => Ok(Box::new(NativeSolver::new(pattern)?)),
             #[cfg(feature = "petsc")]
-            Self::Petsc => Ok(Box::new(super::Snes::new(pattern)?)),
+            Self::Petsc => Ok(Box::new(super::Snes::with_method(pattern, method)?)),
             #[cfg(not(feature = "petsc"))]
             Self::Petsc => Err(SolverFailure {
                 library: "PETSc",

@@ -12,6 +12,7 @@
 //! is not admissible or the residual grows out of bounds. Source: Batoz & Dhatt (1979); Keller (1977) for the arc.
 
 use super::krylov::{KrylovReport, solve_unsymmetric};
+use super::line_search::{self, RESIDUAL_GROWTH};
 use super::path::PathPoint;
 use super::supply::Supply;
 use super::{EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
@@ -115,9 +116,10 @@ pub(super) fn solve(
             report.ending = NewtonEnding::Singular;
             return Ok(report);
         }
-        let mut length = system.longest_step(x, &dx);
-        let mut admissible = false;
-        for _ in 0..CUTS {
+        let longest = system.longest_step(x, &dx);
+        let (mut length, mut admissible) = (longest, false);
+        for cut in line_search::cuts(longest) {
+            length = cut;
             for ((trial, x), dx) in trial.iter_mut().zip(&*x).zip(&dx) {
                 *trial = x + length * dx;
             }
@@ -125,12 +127,11 @@ pub(super) fn solve(
             if system.residual(&trial, &mut trial_residual).is_ok() && is_finite(&trial_residual) {
                 admissible = true;
                 if dot(&trial_residual, &trial_residual).sqrt()
-                    <= GROWTH * report.residual_norm.max(threshold)
+                    <= RESIDUAL_GROWTH * report.residual_norm.max(threshold)
                 {
                     break;
                 }
             }
-            length *= 0.5;
         }
         if !admissible {
             system.set_load(*load);
@@ -150,11 +151,6 @@ pub(super) fn solve(
 
 /// The constraint is met to this share of its scale.
 const GAP: f64 = 1e-10;
-/// Halvings of a step whose residual is too large.
-const CUTS: usize = 8;
-/// How far a residual may grow in a step: a wall that bends by a linear step stretches by its square, and the next step
-/// takes that back.
-const GROWTH: f64 = 1e3;
 
 impl Constraint<'_> {
     fn value(&self, system: &dyn LoadedSystem, x: &[f64], load: f64) -> f64 {

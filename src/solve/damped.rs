@@ -3,8 +3,12 @@
 //! ```text
 //! E(x) + damping / 2 |x - anchor|^2
 //! ```
+//!
+//! Multipliers are not held back: they do not move, they only bear on what does.
 
-use crate::model::system::{Inadmissible, Limit, LoadedSystem, SparsityPattern, System};
+use std::ops::Range;
+
+use crate::model::system::{Inadmissible, Layout, Limit, LoadedSystem, SparsityPattern, System};
 
 /// A system on a viscous bed that lets it rest at `anchor`.
 pub(super) struct Damped<'a> {
@@ -16,14 +20,19 @@ pub(super) struct Damped<'a> {
 
 impl Damped<'_> {
     fn energy_of_bed(&self, x: &[f64]) -> f64 {
-        let moved = x.iter().zip(&self.anchor).map(|(x, anchor)| x - anchor);
+        let moved = self.moving().map(|i| x[i] - self.anchor[i]);
         0.5 * self.damping * moved.map(|moved| moved * moved).sum::<f64>()
     }
 
     fn add_force_of_bed(&self, x: &[f64], residual: &mut [f64]) {
-        for ((residual, x), anchor) in residual.iter_mut().zip(x).zip(&self.anchor) {
-            *residual += self.damping * (x - anchor);
+        for i in self.moving() {
+            residual[i] += self.damping * (x[i] - self.anchor[i]);
         }
+    }
+
+    fn moving(&self) -> impl Iterator<Item = usize> + use<> {
+        let multipliers = self.system.multipliers();
+        (0..self.anchor.len()).filter(move |i| !multipliers.contains(i))
     }
 }
 
@@ -50,8 +59,11 @@ impl System for Damped<'_> {
     ) -> Result<f64, Inadmissible> {
         let energy = self.system.tangent(x, residual, tangent)?;
         self.add_force_of_bed(x, residual);
-        for diagonal in self.system.pattern().diagonal() {
-            tangent[diagonal] += self.damping;
+        let multipliers = self.system.multipliers();
+        for (i, diagonal) in self.system.pattern().diagonal().enumerate() {
+            if !multipliers.contains(&i) {
+                tangent[diagonal] += self.damping;
+            }
         }
         Ok(energy + self.energy_of_bed(x))
     }
@@ -80,8 +92,20 @@ impl System for Damped<'_> {
         self.system.make_room(x)
     }
 
+    fn multipliers(&self) -> Range<usize> {
+        self.system.multipliers()
+    }
+
     fn stable_negative_pivots(&self) -> usize {
         self.system.stable_negative_pivots()
+    }
+
+    fn layout(&self) -> Option<Layout> {
+        self.system.layout()
+    }
+
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        self.system.set_share(share);
     }
 }
 

@@ -1,10 +1,15 @@
-//! Backtracking on the energy, shared by every solver.
+//! Backtracking, shared by every solver: on the energy, or where that is no function to lower, on the residual.
 //!
 //! ```text
 //! accept a when  E(x + a dx) <= E(x) + c1 a R.dx + slack      a = a_max, a_max/2, a_max/4, ...
 //! ```
 //!
+//! A mixed system's energy is a saddle ([`System::multipliers`]). There a step is accepted as soon as the residual stays within bounds:
+//! a wall that bends by a linear step stretches by its square, and the next step takes that back.
+//!
 //! `a_max` is the system's own limit (no point crosses a contact). Source: Armijo (1966).
+
+use std::iter;
 
 use crate::model::system::System;
 
@@ -14,6 +19,16 @@ const SUFFICIENT_DECREASE: f64 = 1e-4;
 const HALVINGS: usize = 20;
 /// Rounding error allowed in an energy, relative to its size: sums of some thousand terms carry about 1e-13.
 const ROUNDING: f64 = 1e-12;
+
+/// How far a residual may grow in a step.
+pub(super) const RESIDUAL_GROWTH: f64 = 1e3;
+/// Lengths tried until the residual is within its bound.
+const CUTS: usize = 8;
+
+/// The lengths of a step to try in turn until the residual is within bounds, the `longest` first.
+pub(super) fn cuts(longest: f64) -> impl Iterator<Item = f64> {
+    iter::successors(Some(longest), |length| Some(0.5 * length)).take(CUTS)
+}
 
 /// A step that the search accepted.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,10 @@ mod damped;
 mod ending;
 mod factor;
 mod hermite;
+mod job;
 mod krylov;
+#[cfg(feature = "petsc")]
+mod lanczos;
 mod line_search;
 mod native;
 mod observed;
@@ -33,9 +36,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::system::System;
 
-pub use backend::Backend;
+pub use backend::{Backend, LinearMethod};
 pub use ending::Ending;
 pub use hermite::{Cubic, Segment};
+pub use job::Job;
 pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use native::NativeSolver;
 pub use path::{Path, PathPoint, PathSettings, Programme, follow};

@@ -5,15 +5,16 @@
 //! sigma = 0, or the first of  1e-5 mean|diag K| * 4^k  that leaves no more negative pivots than stable
 //! ```
 //!
-//! With the shift the step is a direction of descent: a minimiser does not walk to a saddle.
+//! With the shift the step is a direction of descent: a minimiser does not walk to a saddle. Multipliers are not shifted.
 
 use std::mem;
 use std::ops::Range;
 
 use super::factor::LdlFactor;
 use super::line_search;
+use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
-use super::shift::shifts;
+use super::shift::{mean_diagonal, shifts};
 use super::{
     EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes, SolverFailure,
 };
@@ -88,7 +89,7 @@ impl NativeSolver {
             }
             report.iterations += 1;
             let unshifted = report.shifted == settings.most_shifted;
-            let shift = self.find_direction(stable, unshifted);
+            let shift = self.find_direction(stable, unshifted, system.multipliers());
             report.shifted += usize::from(shift != Some(0.0));
             if shift.is_none() {
                 return Ok(if unshifted {
@@ -98,27 +99,68 @@ impl NativeSolver {
                 });
             }
 
-            let slope = dot(&self.residual, &self.direction);
-            system.forget_admissible();
-            let step =
-                line_search::search(system, x, &self.direction, energy, slope, &mut self.trial);
-            if step.is_none() {
-                return Ok(if system.met_only_inadmissible() {
-                    NewtonEnding::Inadmissible
-                } else {
-                    NewtonEnding::LineSearchFailed
-                });
-            }
-            let trial = mem::take(&mut self.trial);
-            let assembled = self.assemble(system, &trial);
-            self.trial = trial;
-            let Some(trial_energy) = assembled? else {
-                return Ok(NewtonEnding::Inadmissible);
+            let step = if system.multipliers().is_empty() {
+                self.lower_energy(system, x, energy)?
+            } else {
+                let bound = RESIDUAL_GROWTH * report.residual_norm.max(threshold);
+                self.bound_residual(system, x, bound)?
             };
-            energy = trial_energy;
+            match step {
+                Ok(trial_energy) => energy = trial_energy,
+                Err(ending) => return Ok(ending),
+            }
             x.copy_from_slice(&self.trial);
             mem::swap(&mut self.residual, &mut self.trial_residual);
         }
+    }
+
+    /// Makes a step that lowers the `energy` into `trial`, and the tangent there; the energy, or why there is none.
+    fn lower_energy(
+        &mut self,
+        system: &mut Observed<'_>,
+        x: &[f64],
+        energy: f64,
+    ) -> Result<Result<f64, NewtonEnding>, SolverFailure> {
+        let slope = dot(&self.residual, &self.direction);
+        system.forget_admissible();
+        let step = line_search::search(system, x, &self.direction, energy, slope, &mut self.trial);
+        if step.is_none() {
+            return Ok(Err(if system.met_only_inadmissible() {
+                NewtonEnding::Inadmissible
+            } else {
+                NewtonEnding::LineSearchFailed
+            }));
+        }
+        Ok(self.assemble_trial(system)?.ok_or(NewtonEnding::Inadmissible))
+    }
+
+    /// Makes a step whose residual stays below `bound` into `trial`, and the tangent there; the energy, or why there is none.
+    fn bound_residual(
+        &mut self,
+        system: &mut Observed<'_>,
+        x: &[f64],
+        bound: f64,
+    ) -> Result<Result<f64, NewtonEnding>, SolverFailure> {
+        let mut ending = NewtonEnding::Inadmissible;
+        for length in line_search::cuts(system.longest_step(x, &self.direction)) {
+            for ((trial, x), dx) in self.trial.iter_mut().zip(x).zip(&self.direction) {
+                *trial = x + length * dx;
+            }
+            if let Some(energy) = self.assemble_trial(system)? {
+                if dot(&self.trial_residual, &self.trial_residual).sqrt() <= bound {
+                    return Ok(Ok(energy));
+                }
+                ending = NewtonEnding::LineSearchFailed;
+            }
+        }
+        Ok(Err(ending))
+    }
+
+    fn assemble_trial(&mut self, system: &mut Observed<'_>) -> Result<Option<f64>, SolverFailure> {
+        let trial = mem::take(&mut self.trial);
+        let assembled = self.assemble(system, &trial);
+        self.trial = trial;
+        assembled
     }
 
     /// Puts the tangent at `x` into `entries` and the residual into `trial_residual`; the energy, where all are finite.
@@ -157,9 +199,14 @@ impl NativeSolver {
 
     /// Solves for the direction with the smallest shift, or `unshifted`, that leaves at most `stable` negative pivots;
     /// returns that shift.
-    fn find_direction(&mut self, stable: usize, unshifted: bool) -> Option<f64> {
+    fn find_direction(
+        &mut self,
+        stable: usize,
+        unshifted: bool,
+        multipliers: Range<usize>,
+    ) -> Option<f64> {
         let start = cpu_seconds();
-        let shift = self.factorize_stable(stable, unshifted);
+        let shift = self.factorize_stable(stable, unshifted, multipliers);
         if shift.is_some() {
             for (direction, residual) in self.direction.iter_mut().zip(&self.residual) {
                 *direction = -residual;
@@ -170,16 +217,22 @@ impl NativeSolver {
         shift
     }
 
-    fn factorize_stable(&mut self, stable: usize, unshifted: bool) -> Option<f64> {
+    fn factorize_stable(
+        &mut self,
+        stable: usize,
+        unshifted: bool,
+        multipliers: Range<usize>,
+    ) -> Option<f64> {
         for (diagonal, column) in self.diagonal.iter_mut().zip(&self.lower) {
             *diagonal = self.entries[column.start];
         }
-        let sizes = self.diagonal.iter().map(|diagonal| diagonal.abs());
-        let mean = sizes.sum::<f64>() / self.diagonal.len() as f64;
+        let mean = mean_diagonal(self.diagonal.iter().copied(), &multipliers);
         let tried = if unshifted { 1 } else { usize::MAX };
         shifts(mean).take(tried).find(|shift| {
-            for (diagonal, column) in self.diagonal.iter().zip(&self.lower) {
-                self.entries[column.start] = diagonal + shift;
+            for (i, (diagonal, column)) in self.diagonal.iter().zip(&self.lower).enumerate() {
+                if !multipliers.contains(&i) {
+                    self.entries[column.start] = diagonal + shift;
+                }
             }
             self.factor.factorize(&self.entries).is_some_and(|negative| negative <= stable)
         })

@@ -1,7 +1,9 @@
 //! A system with a clock, and a note of whether the line search found it defined anywhere.
 
+use std::ops::Range;
+
 use crate::math::cpu_seconds;
-use crate::model::system::{Inadmissible, SparsityPattern, System};
+use crate::model::system::{Inadmissible, Layout, SparsityPattern, System};
 
 /// Forwards to a system, adding up what its evaluations cost.
 pub(super) struct Observed<'a> {
@@ -80,6 +82,18 @@ impl System for Observed<'_> {
 
     fn make_room(&mut self, x: &[f64]) -> bool {
         self.timed(|system| system.make_room(x))
+    }
+
+    fn multipliers(&self) -> Range<usize> {
+        self.system.multipliers()
+    }
+
+    fn layout(&self) -> Option<Layout> {
+        self.system.layout()
+    }
+
+    fn set_share(&mut self, share: Option<&[bool]>) {
+        self.system.set_share(share);
     }
 
     fn stable_negative_pivots(&self) -> usize {

@@ -1,6 +1,17 @@
 //! How an indefinite tangent is shifted, shared by every solver: `K + sigma I`.
 
 use std::iter;
+use std::ops::Range;
+
+/// The mean size of a tangent's `diagonal [n]`, multipliers left out.
+pub(super) fn mean_diagonal(
+    diagonal: impl ExactSizeIterator<Item = f64>,
+    multipliers: &Range<usize>,
+) -> f64 {
+    let count = diagonal.len() - multipliers.len();
+    let sizes = diagonal.enumerate().filter(|(i, _)| !multipliers.contains(i));
+    sizes.map(|(_, entry)| entry.abs()).sum::<f64>() / count as f64
+}
 
 /// The shifts to try in turn, none first, for a tangent whose diagonal has this mean size.
 pub(super) fn shifts(mean_diagonal: f64) -> impl Iterator<Item = f64> {

@@ -17,6 +17,7 @@ use super::damped::Damped;
 use super::ending::Ending;
 use super::hermite::work_at_once;
 use super::path::PathPoint;
+use super::shift::mean_diagonal;
 use super::walk::{State, Walk};
 use super::{NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
 
@@ -202,8 +203,10 @@ impl Walk<'_> {
 
     /// The largest displacement of the path so far.
     fn reach_of(&self, x: &[f64]) -> f64 {
-        let start = &self.points[0].x;
-        x.iter().zip(start).fold(0.0_f64, |largest, (x, start)| largest.max((x - start).abs()))
+        let multipliers = self.system.multipliers();
+        let moved = x.iter().zip(&self.points[0].x).map(|(x, start)| (x - start).abs());
+        let moved = moved.enumerate().filter(|(i, _)| !multipliers.contains(i));
+        moved.fold(0.0_f64, |largest, (_, moved)| largest.max(moved))
     }
 
     fn mean_diagonal(&mut self, state: &State) -> Result<f64, SolverFailure> {
@@ -214,8 +217,8 @@ impl Walk<'_> {
         if self.system.tangent(&state.x, &mut residual, &mut entries).is_err() {
             return Ok(self.system.force_scale());
         }
-        let sum: f64 = self.system.pattern().diagonal().map(|at| entries[at].abs()).sum();
-        Ok(sum / state.x.len() as f64)
+        let diagonal: Vec<f64> = self.system.pattern().diagonal().map(|at| entries[at]).collect();
+        Ok(mean_diagonal(diagonal.into_iter(), &self.system.multipliers()))
     }
 }
 

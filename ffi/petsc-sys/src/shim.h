@@ -8,6 +8,15 @@
 /* PETSC_COMM_SELF. */
 MPI_Comm petsc_sys_comm_self(void);
 
+/* PETSC_COMM_WORLD. */
+MPI_Comm petsc_sys_comm_world(void);
+
+/* Whether `mine` is not 0 on every rank of `comm`; collective. */
+int petsc_sys_all(MPI_Comm comm, int mine);
+
+/* Whether `mine` is the same on every rank of `comm`; collective. */
+int petsc_sys_same(MPI_Comm comm, long mine);
+
 /* MPI_THREAD_SERIALIZED. */
 int petsc_sys_thread_serialized(void);
 

@@ -233,7 +233,7 @@ mod tests {
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
     use super::*;
-    use crate::model::contact::PlaneSettings;
+    use crate::model::contact::{Faces, PlaneSettings};
     use crate::model::element::{Sample, SampledSurface};
     use crate::model::term_suite::{Case, term_suite};
     use crate::model::test_shells::TestShell;
@@ -246,7 +246,12 @@ mod tests {
     fn gripping(shell: &TestShell) -> Case<Friction> {
         let settings = PlaneSettings::new(NORMAL, 1.0, 0.7);
         let thickness = shell.mesh.thickness;
-        let contact = PlaneContact::new(&shell.surface(), &shell.reference, thickness, &settings);
+        let contact = PlaneContact::new(
+            &shell.surface(),
+            &shell.reference,
+            Faces::about_middle(thickness),
+            &settings,
+        );
         let mut term = Friction::new(&contact, &shell.reference, MU, 0.5);
         let [along, across] = [Vec3::x(), Vec3::y()].map(|axis| NORMAL.cross(&axis).normalize());
         for s in contact.samples() {
@@ -273,7 +278,7 @@ mod tests {
         let surface = SampledSurface { samples, facets: vec![[0, 1, 2]], vertices: 3 };
         let positions = vec![Vec3::zeros(), Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 3.0, 0.0)];
         let settings = PlaneSettings::new(Vec3::z(), 0.1, 0.7);
-        let contact = PlaneContact::new(&surface, &positions, 1.0, &settings);
+        let contact = PlaneContact::new(&surface, &positions, Faces::about_middle(1.0), &settings);
         let friction = Friction::new(&contact, &positions, MU, ELASTIC_SLIP);
         (contact, friction, positions)
     }

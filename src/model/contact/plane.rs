@@ -64,7 +64,30 @@ impl PlaneSettings {
     }
 }
 
-/// The barrier between a shell's face and a rigid plane.
+/// How the faces of a wall lie about the samples of its surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Faces {
+    /// Thickness of the wall, mm: what gaps are measured by.
+    pub thickness: f64,
+    /// Distance of the face from the samples, mm.
+    pub beyond: f64,
+}
+
+impl Faces {
+    /// Of a wall whose samples lie in its middle.
+    #[must_use]
+    pub fn about_middle(thickness: f64) -> Self {
+        Self { thickness, beyond: 0.5 * thickness }
+    }
+
+    /// Of a wall whose samples lie on its faces.
+    #[must_use]
+    pub fn sampled(thickness: f64) -> Self {
+        Self { thickness, beyond: 0.0 }
+    }
+}
+
+/// The barrier between a wall's face and a rigid plane.
 #[derive(Clone, Debug)]
 pub struct PlaneContact {
     normal: Vec3,
@@ -82,7 +105,7 @@ pub struct PlaneContact {
 }
 
 impl PlaneContact {
-    /// The barrier for the wall of `thickness` (mm) around `surface`, with nodes at `positions` at rest.
+    /// The barrier for the wall with `faces` about `surface`, with nodes at `positions` at rest.
     ///
     /// # Panics
     /// When distance or pressure is not positive.
@@ -90,9 +113,10 @@ impl PlaneContact {
     pub fn new(
         surface: &SampledSurface,
         positions: &[Vec3],
-        thickness: f64,
+        faces: Faces,
         settings: &PlaneSettings,
     ) -> Self {
+        let Faces { thickness, beyond } = faces;
         let &PlaneSettings { normal, distance, pressure, .. } = settings;
         assert!(distance > 0.0 && pressure > 0.0, "{settings:?}");
         let at_rest = surface.at(positions);
@@ -106,7 +130,7 @@ impl PlaneContact {
         }
         let heights: Vec<f64> = at_rest.iter().map(|x| normal.dot(x)).collect();
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let offset = lowest - 0.5 * thickness - distance;
+        let offset = lowest - beyond - distance;
         let floor = |height: &f64| (lowest - distance).min(height - LEAST_REST_GAP * thickness);
         let floors: Vec<f64> = heights.iter().map(floor).collect();
         let activation = |(height, floor): (&f64, &f64)| {
@@ -277,7 +301,8 @@ mod tests {
 
     fn contact(shell: &TestShell, distance: f64) -> PlaneContact {
         let settings = PlaneSettings::new(NORMAL, distance, 0.7);
-        PlaneContact::new(&shell.surface(), &shell.reference, shell.mesh.thickness, &settings)
+        let faces = Faces::about_middle(shell.mesh.thickness);
+        PlaneContact::new(&shell.surface(), &shell.reference, faces, &settings)
     }
 
     /// A tilted plane so near to the deformed shell that the closest sample has a gap of 0.4 mm and many are below the

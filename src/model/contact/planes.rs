@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use super::{Friction, PlaneContact, PlaneSettings};
+use super::{Faces, Friction, PlaneContact, PlaneSettings};
 use crate::math::Vec3;
 use crate::model::PartModel;
 use crate::model::assembly::{Assembler, Slots};
@@ -44,19 +44,19 @@ pub struct PlaneState {
 }
 
 impl Planes {
-    /// The planes of `settings` before the wall of `thickness` (mm) around `surface`, with nodes at `reference` at rest.
+    /// The planes of `settings` before the wall with `faces` about `surface`, with nodes at `reference` at rest.
     pub(in crate::model) fn new(
         settings: &[PlaneSettings],
         surface: &SampledSurface,
         reference: &[Vec3],
-        thickness: f64,
+        faces: Faces,
         ties: &Ties,
         assembler: &Assembler,
     ) -> Self {
         let plane = |settings: &PlaneSettings| {
-            let contact = PlaneContact::new(surface, reference, thickness, settings);
+            let contact = PlaneContact::new(surface, reference, faces, settings);
             let friction = (settings.friction > 0.0).then(|| {
-                let slip = settings.elastic_slip * thickness;
+                let slip = settings.elastic_slip * faces.thickness;
                 let term = Friction::new(&contact, reference, settings.friction, slip);
                 let term = Tied::new(term, ties, reference);
                 let slots = assembler.slots(&term);

@@ -10,6 +10,7 @@ mod loop_shell;
 mod mid_edge;
 mod mid_edge_shell;
 mod points;
+mod taylor_hood;
 mod wall_point;
 
 pub use facet_fit::volume_matched;
@@ -19,3 +20,4 @@ pub use loop_shell::LoopShell;
 pub use mid_edge_shell::{MidEdgeShell, mid_edge_patches};
 pub(in crate::model) use points::ascending;
 pub use points::{ElementPoints, Sample, SampledSurface};
+pub use taylor_hood::TaylorHood;

@@ -68,6 +68,16 @@ impl ElementPoints {
         Self { nodes, weights }
     }
 
+    /// The points of a quadratic face, which are its nodes: corners, then midpoints of the edges opposite to them.
+    #[must_use]
+    pub fn of_quadratic(nodes: [u32; 6]) -> Self {
+        let weights: [[f64; 6]; 6] = std::array::from_fn(|node| {
+            std::array::from_fn(|point| f64::from(u8::from(point == node)))
+        });
+        let (nodes, weights) = ascending(&nodes, &weights);
+        Self { nodes, weights }
+    }
+
     /// The points of all Loop triangles.
     #[must_use]
     pub fn of_stencils(stencils: &[Stencil], bases: &[Rc<LoopBasis>]) -> Vec<Self> {

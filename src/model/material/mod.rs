@@ -14,6 +14,7 @@ mod neo_hookean;
 mod of_invariants;
 mod ogden;
 mod rubber;
+mod solid;
 mod st_venant_kirchhoff;
 mod stability;
 #[cfg(test)]
@@ -26,6 +27,7 @@ pub use neo_hookean::NeoHookean;
 pub use of_invariants::OfInvariants;
 pub use ogden::{Ogden, OgdenTerm};
 pub use rubber::Rubber;
+pub use solid::{SolidLaw, SolidResponse};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stability::Loading;
 pub use yeoh::Yeoh;

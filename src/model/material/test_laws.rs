@@ -37,7 +37,7 @@ pub(super) fn nominal_stress(law: &Material, [l1, l2]: [f64; 2]) -> [f64; 2] {
     [2.0 * l1 * (psi_t + psi_j * l2 * l2), 2.0 * l2 * (psi_t + psi_j * l1 * l1)]
 }
 
-fn rubbers() -> [Rubber; 5] {
+pub(super) fn rubbers() -> [Rubber; 5] {
     [
         Rubber::NeoHookean(NeoHookean { mu: 1.3 }),
         Rubber::MooneyRivlin(MooneyRivlin { c1: 0.4, c2: 0.15 }),
@@ -47,7 +47,7 @@ fn rubbers() -> [Rubber; 5] {
     ]
 }
 
-fn compressible(law: &Rubber, bulk_over_shear: f64) -> Compressible {
+pub(super) fn compressible(law: &Rubber, bulk_over_shear: f64) -> Compressible {
     let bulk_modulus = bulk_over_shear * law.law().shear_modulus();
     Compressible { law: law.clone(), bulk_modulus }
 }
@@ -70,12 +70,12 @@ const STRETCHES: [[f64; 2]; 8] = [
     [1.0, 1.0], [1.0 + 1e-9, 1.0], [1.05, 1.0], [1.2, 1.2], [1.21, 1.2], [0.7, 1.4], [2.5, 0.9], [3.0, 3.0],
 ];
 
-fn invariants([l1, l2]: [f64; 2]) -> (f64, f64) {
+pub(super) fn invariants([l1, l2]: [f64; 2]) -> (f64, f64) {
     (l1 * l1 + l2 * l2, (l1 * l2).powi(2))
 }
 
 /// An incompressible law in stretches whose product is 1, as the books write it.
-fn energy_of_shape<D: DualNum<Primitive = f64> + Copy>(law: &Rubber, l: [D; 3]) -> D {
+pub(super) fn energy_of_shape<D: DualNum<Primitive = f64> + Copy>(law: &Rubber, l: [D; 3]) -> D {
     let sum = |alpha: f64| l[0].powf(alpha) + l[1].powf(alpha) + l[2].powf(alpha) - 3.0;
     match law {
         Rubber::NeoHookean(law) => sum(2.0) * (0.5 * law.mu),

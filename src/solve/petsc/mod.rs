@@ -5,18 +5,30 @@
 //! sigma = 0, or the first of  1e-5 mean|diag K| * 4^k  that leaves no more negative pivots than stable
 //! ```
 //!
-//! The energy is the line search's objective. The matrix is SBAIJ (upper triangle) with an `L D L^T` whose
-//! analysis is made once per pattern; there is one numeric factorisation per tangent and shift. SNES only holds the
-//! matrix and never reads it, so where the pattern grows in the midst of a solve ours is made anew beside it.
+//! The energy is the line search's objective. Alone, the matrix is SBAIJ (upper triangle) with an `L D L^T` whose
+//! analysis is made once per pattern; there is one numeric factorisation per tangent and shift. SNES never sees
+//! it, so where the pattern grows in the midst of a solve it is made anew.
+//!
+//! Under `mpirun` every rank runs the same program on the same state, and only what is dear is divided: each evaluates the stencils of its
+//! own rows (`shared.rs`, `rows.rs`), and the ranks factorise or iterate together (`tangent.rs`). What a rank decides by is what was
+//! gathered from all, the same bits everywhere, so all decide alike.
 
 mod library;
+mod rows;
+mod shared;
+mod tangent;
 
-use self::library::{Driver, Factor, Inertia, Newton, Session};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
+
+use self::library::{Driver, Newton, Session};
+use self::shared::Shared;
+use self::tangent::{Plan, Tangent};
+use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
-use super::shift::shifts;
 use super::{
-    EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes, SolverFailure,
-    line_search,
+    EquilibriumSolver, LinearMethod, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes,
+    SolverFailure, line_search,
 };
 use crate::math::cpu_seconds;
 use crate::model::system::{SparsityPattern, System};
@@ -29,10 +41,16 @@ use crate::model::system::{SparsityPattern, System};
 /// After a [`SolverFailure`] make a new solver; after a panic of the system it may be used again.
 #[derive(Debug)]
 pub struct Snes {
-    tangent: Tangent,
+    order: usize,
+    method: LinearMethod,
+    /// None where the system must be seen first.
+    plan: Option<Plan>,
+    tangent: Option<Tangent>,
     driver: Driver,
     linearized: bool,
     times: SolveTimes,
+    /// Of tangents that are no more.
+    iterations: usize,
 }
 
 impl Snes {
@@ -44,27 +62,82 @@ impl Snes {
     /// # Panics
     /// When a column has no diagonal entry, or its rows are not sorted or out of range.
     pub fn new(pattern: &SparsityPattern) -> Result<Self, SolverFailure> {
-        let session = Session::open()?;
-        let start = cpu_seconds();
-        let tangent = Tangent::new(&session, pattern)?;
-        let driver = Driver::new(&session, pattern.order())?;
-        let times = SolveTimes { assembly: 0.0, factorization: cpu_seconds() - start };
-        Ok(Self { tangent, driver, linearized: false, times })
+        Self::with_method(pattern, LinearMethod::Automatic)
     }
 
-    /// Plans anew where the system's pattern is not the one that was planned for.
-    fn follow_pattern(
-        &mut self,
-        session: &Session,
+    /// As [`Self::new`], with linear systems solved by `method`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    pub fn with_method(
         pattern: &SparsityPattern,
-    ) -> Result<(), SolverFailure> {
-        if self.tangent.pattern != *pattern {
-            let start = cpu_seconds();
-            self.tangent = Tangent::new(session, pattern)?;
-            self.times.factorization += cpu_seconds() - start;
+        method: LinearMethod,
+    ) -> Result<Self, SolverFailure> {
+        let session = Session::open()?;
+        let start = cpu_seconds();
+        let order = pattern.order();
+        if session.rank().1 > 1 && !session.is_same(digest(pattern)) {
+            let message = "the ranks of the job do not have the same system".to_owned();
+            return Err(SolverFailure { library: "PETSc", message });
         }
+        let plan = Plan::of_order(&session, order, method);
+        let tangent =
+            plan.as_ref().map(|plan| Tangent::new(&session, pattern, plan)).transpose()?;
+        let driver = Driver::new(&session, order)?;
+        let times = SolveTimes { assembly: 0.0, factorization: cpu_seconds() - start };
+        Ok(Self { order, method, plan, tangent, driver, linearized: false, times, iterations: 0 })
+    }
+
+    /// Iterations of linear solutions since it was made; 0 where tangents are factorised.
+    #[must_use]
+    pub fn linear_iterations(&self) -> usize {
+        self.iterations + self.tangent.as_ref().map_or(0, Tangent::iterations)
+    }
+
+    /// Plans for the system where nobody did, or anew where its pattern is another.
+    fn follow(&mut self, session: &Session, system: &dyn System) -> Result<(), SolverFailure> {
+        let pattern = system.pattern();
+        if self.tangent.as_ref().is_some_and(|tangent| tangent.pattern == *pattern) {
+            return Ok(());
+        }
+        let start = cpu_seconds();
+        self.iterations = self.linear_iterations();
+        self.tangent = None;
+        let plan = match self.plan.take() {
+            Some(plan) => plan,
+            None => Plan::new(session, system, self.method)?,
+        };
+        self.tangent = Some(Tangent::new(session, pattern, &plan)?);
+        self.plan = Some(plan);
+        self.times.factorization += cpu_seconds() - start;
         Ok(())
     }
+
+    fn check_order(&self, system: &dyn System) {
+        let order = system.pattern().order();
+        assert!(order == self.order, "the system's order is not the solver's");
+    }
+}
+
+/// A number that another `pattern` is unlikely to have.
+fn digest(pattern: &SparsityPattern) -> u32 {
+    let mut hasher = DefaultHasher::new();
+    pattern.column_starts.hash(&mut hasher);
+    pattern.row_indices.hash(&mut hasher);
+    hasher.finish() as u32
+}
+
+/// The number of this process among those of its job, and how many these are; starts PETSc.
+pub(super) fn rank() -> Result<(usize, usize), SolverFailure> {
+    Ok(Session::open()?.rank())
+}
+
+/// Ends all processes of the job.
+pub(super) fn abort() {
+    library::abort();
 }
 
 impl EquilibriumSolver for Snes {
@@ -76,19 +149,31 @@ impl EquilibriumSolver for Snes {
         x: &mut [f64],
         settings: &NewtonSettings,
     ) -> Result<NewtonReport, SolverFailure> {
-        self.tangent.check_order(system.pattern());
+        self.check_order(system);
         self.linearized = false;
         let session = Session::open()?;
-        self.follow_pattern(&session, system.pattern())?;
-        self.driver.adopt(&session, &self.tangent.factor)?;
+        self.follow(&session, system)?;
+        let (Some(tangent), Some(plan)) = (&mut self.tangent, &self.plan) else {
+            unreachable!("a tangent was planned");
+        };
+        let mut shared;
+        let system: &mut dyn System = match plan.exchange() {
+            None => system,
+            Some(exchange) => {
+                shared = Shared::new(system, exchange, &session);
+                &mut shared
+            }
+        };
         let order = x.len();
         let mut drive = Drive {
             session: &session,
             threshold: settings.tolerance * system.force_scale(),
             stable_negative_pivots: system.stable_negative_pivots(),
             most_shifted: settings.most_shifted,
+            multipliers: system.multipliers(),
             system: Observed::new(system),
-            tangent: &mut self.tangent,
+            plan,
+            tangent,
             energy: f64::INFINITY,
             direction: vec![0.0; order],
             trial: vec![0.0; order],
@@ -98,10 +183,12 @@ impl EquilibriumSolver for Snes {
             iterations: 0,
             residual_norm: f64::INFINITY,
             shifted: 0,
+            replaced: 0,
         };
         let ended = self.driver.solve(&session, &mut drive, x, settings.max_iterations);
         self.times.assembly += drive.system.seconds();
         self.times.factorization += drive.factorization;
+        self.iterations += drive.replaced;
         let ended = ended?;
         let ending = match ended {
             _ if drive.inadmissible => NewtonEnding::Inadmissible,
@@ -119,23 +206,30 @@ impl EquilibriumSolver for Snes {
     }
 
     fn linearize(&mut self, system: &mut dyn System, x: &[f64]) -> Result<usize, SolverFailure> {
-        self.tangent.check_order(system.pattern());
+        self.check_order(system);
         self.linearized = false;
         let start = cpu_seconds();
         system.make_room(x);
         self.times.assembly += cpu_seconds() - start;
-        if self.tangent.pattern != *system.pattern() {
-            self.follow_pattern(&Session::open()?, system.pattern())?;
-        }
+        let session = Session::open()?;
+        self.follow(&session, system)?;
+        let (Some(tangent), Some(plan)) = (&mut self.tangent, &self.plan) else {
+            unreachable!("a tangent was planned");
+        };
         let start = cpu_seconds();
         let mut residual = vec![0.0; x.len()];
-        system
-            .tangent(x, &mut residual, &mut self.tangent.entries)
-            .expect("linearize is called at an admissible state");
+        let made = match plan.exchange() {
+            None => system.tangent(x, &mut residual, &mut tangent.entries),
+            Some(exchange) => Shared::new(system, exchange, &session).tangent(
+                x,
+                &mut residual,
+                &mut tangent.entries,
+            ),
+        };
+        made.expect("linearize is called at an admissible state");
         let assembled = cpu_seconds();
         self.times.assembly += assembled - start;
-        let session = Session::open()?;
-        let inertia = self.tangent.factorize(&session, 0.0)?;
+        let inertia = tangent.inertia(&session, &system.multipliers())?;
         self.times.factorization += cpu_seconds() - assembled;
         self.linearized = inertia.is_some_and(|inertia| inertia.zero == 0);
         let lost = inertia.map(|inertia| inertia.negative + inertia.zero);
@@ -146,9 +240,16 @@ impl EquilibriumSolver for Snes {
         assert!(self.linearized, "solve_linearized without linearize before it");
         let session = Session::open()?;
         let start = cpu_seconds();
-        let solved = self.tangent.factor.solve(&session, b);
+        let solved = match &mut self.tangent {
+            Some(tangent) => tangent.solve(&session, b, LINEARIZED_TOLERANCE)?,
+            None => unreachable!("a tangent was linearized"),
+        };
         self.times.factorization += cpu_seconds() - start;
-        solved
+        if solved {
+            return Ok(());
+        }
+        let message = "the iteration with the tangent did not converge".to_owned();
+        Err(SolverFailure { library: "PETSc", message })
     }
 
     fn is_invertible(&self) -> bool {
@@ -160,95 +261,15 @@ impl EquilibriumSolver for Snes {
     }
 }
 
-/// The system's tangent, and how it becomes PETSc's matrix.
-///
-/// The lower column `j` of the pattern is the upper row `j` of the matrix.
-#[derive(Debug)]
-struct Tangent {
-    pattern: SparsityPattern,
-    /// The system's stored entries, `[stored]`.
-    entries: Vec<f64>,
-    /// Which of them the matrix has, in its order, `[upper]`.
-    kept: Vec<usize>,
-    /// Where each row starts in `kept`, with the diagonal, `[n + 1]`.
-    starts: Vec<usize>,
-    factor: Factor,
-}
-
-impl Tangent {
-    fn new(session: &Session, pattern: &SparsityPattern) -> Result<Self, SolverFailure> {
-        let rows = &pattern.row_indices;
-        let (mut kept, mut columns, mut starts) = (Vec::new(), Vec::new(), vec![0]);
-        for (column, bounds) in pattern.column_starts.windows(2).enumerate() {
-            let stored = bounds[0] as usize..bounds[1] as usize;
-            let lower = stored.filter(|&entry| rows[entry] as usize >= column);
-            kept.extend(lower);
-            columns.extend(kept[starts[column]..].iter().map(|&entry| rows[entry] as usize));
-            starts.push(kept.len());
-        }
-        let factor = Factor::new(session, &starts, &columns)?;
-        let entries = vec![0.0; pattern.stored()];
-        Ok(Self { pattern: pattern.clone(), entries, kept, starts, factor })
-    }
-
-    fn check_order(&self, pattern: &SparsityPattern) {
-        let order = self.pattern.order();
-        assert!(order == pattern.order(), "the system's order is not the solver's");
-    }
-
-    fn factorize(
-        &mut self,
-        session: &Session,
-        shift: f64,
-    ) -> Result<Option<Inertia>, SolverFailure> {
-        self.factor.factorize(session, |values| {
-            for (value, &entry) in values.iter_mut().zip(&self.kept) {
-                *value = self.entries[entry];
-            }
-            for &diagonal in &self.starts[..self.starts.len() - 1] {
-                values[diagonal] += shift;
-            }
-        })
-    }
-
-    /// Factorises with the smallest shift, or `unshifted`, that leaves at most `negative` negative pivots; returns that
-    /// shift.
-    fn factorize_stable(
-        &mut self,
-        session: &Session,
-        negative: usize,
-        unshifted: bool,
-    ) -> Result<Option<f64>, SolverFailure> {
-        let stable = |inertia: Option<Inertia>| {
-            inertia.is_some_and(|inertia| inertia.negative <= negative && inertia.zero == 0)
-        };
-        let tried = if unshifted { 1 } else { usize::MAX };
-        for shift in shifts(self.mean_diagonal()).take(tried) {
-            if stable(self.factorize(session, shift)?) {
-                return Ok(Some(shift));
-            }
-        }
-        Ok(None)
-    }
-
-    fn mean_diagonal(&self) -> f64 {
-        let diagonal = &self.starts[..self.starts.len() - 1];
-        let sum: f64 = diagonal.iter().map(|&start| self.entries[self.kept[start]].abs()).sum();
-        sum / diagonal.len() as f64
-    }
-
-    fn is_finite(&self) -> bool {
-        self.kept.iter().all(|&entry| self.entries[entry].is_finite())
-    }
-}
-
 /// One solve: the system's answers to what SNES asks.
 struct Drive<'a> {
     session: &'a Session,
     threshold: f64,
     stable_negative_pivots: usize,
     most_shifted: usize,
+    multipliers: Range<usize>,
     system: Observed<'a>,
+    plan: &'a Plan,
     tangent: &'a mut Tangent,
     /// The energy at the iterate, mJ.
     energy: f64,
@@ -261,6 +282,8 @@ struct Drive<'a> {
     iterations: usize,
     residual_norm: f64,
     shifted: usize,
+    /// Linear iterations of tangents that are no more.
+    replaced: usize,
 }
 
 impl Newton for Drive<'_> {
@@ -280,11 +303,12 @@ impl Newton for Drive<'_> {
     fn tangent(&mut self, x: &[f64]) -> Result<(), SolverFailure> {
         if self.system.make_room(x) {
             let start = cpu_seconds();
-            *self.tangent = Tangent::new(self.session, self.system.pattern())?;
+            self.replaced += self.tangent.iterations();
+            *self.tangent = Tangent::new(self.session, self.system.pattern(), self.plan)?;
             self.factorization += cpu_seconds() - start;
         }
         let made = self.system.tangent(x, &mut self.trial_residual, &mut self.tangent.entries);
-        self.inadmissible = made.is_err() || !self.tangent.is_finite();
+        self.inadmissible = made.is_err() || !self.tangent.is_finite(self.session);
         Ok(())
     }
 
@@ -297,19 +321,21 @@ impl Newton for Drive<'_> {
             self.session,
             self.stable_negative_pivots,
             self.shifted == self.most_shifted,
+            &self.multipliers,
         )?;
-        if shift.is_some() {
-            self.tangent.factor.solve(self.session, b)?;
-        }
+        let solved = shift.is_some() && self.tangent.solve(self.session, b, NEWTON_TOLERANCE)?;
         self.factorization += cpu_seconds() - start;
         self.iterations += 1;
         self.shifted += usize::from(shift != Some(0.0));
-        Ok(shift.is_some())
+        Ok(solved)
     }
 
     fn step(&mut self, x: &mut [f64], residual: &mut [f64], correction: &[f64]) -> bool {
         for (direction, correction) in self.direction.iter_mut().zip(correction) {
             *direction = -correction;
+        }
+        if !self.multipliers.is_empty() {
+            return self.step_within_bound(x, residual);
         }
         let slope = residual.iter().zip(&self.direction).map(|(r, d)| r * d).sum();
         self.system.forget_admissible();
@@ -337,12 +363,44 @@ impl Newton for Drive<'_> {
     }
 }
 
+impl Drive<'_> {
+    /// Makes a step whose residual stays within bounds.
+    fn step_within_bound(&mut self, x: &mut [f64], residual: &mut [f64]) -> bool {
+        let bound = RESIDUAL_GROWTH * self.residual_norm.max(self.threshold);
+        self.inadmissible = true;
+        for length in line_search::cuts(self.system.longest_step(x, &self.direction)) {
+            for ((trial, x), dx) in self.trial.iter_mut().zip(&*x).zip(&self.direction) {
+                *trial = x + length * dx;
+            }
+            let evaluated = self.system.residual(&self.trial, &mut self.trial_residual);
+            let Ok(energy) = evaluated else { continue };
+            if all_finite(&self.trial_residual) {
+                self.inadmissible = false;
+                let square: f64 = self.trial_residual.iter().map(|r| r * r).sum();
+                if square.sqrt() <= bound {
+                    self.energy = energy;
+                    x.copy_from_slice(&self.trial);
+                    residual.copy_from_slice(&self.trial_residual);
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}
+
+/// An iteration solves a Newton step to this: more would be lost in what the step leaves out.
+const NEWTON_TOLERANCE: f64 = 1e-4;
+/// What solves with a linearized tangent ask of an iteration.
+const LINEARIZED_TOLERANCE: f64 = 1e-10;
+
 fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|value| value.is_finite())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::library::Inertia;
     use super::*;
     use crate::model::system::Inadmissible;
     use crate::solve::solver_suite::solver_suite;
@@ -406,12 +464,30 @@ mod tests {
         let thread = std::thread::spawn(move || {
             let inertia = {
                 let session = Session::open().unwrap();
-                solver.tangent.entries[0] = -4.0;
-                solver.tangent.factorize(&session, 0.0).unwrap()
+                let tangent = solver.tangent.as_mut().unwrap();
+                tangent.entries[0] = -4.0;
+                tangent.inertia(&session, &(0..0)).unwrap()
             };
             assert_eq!(inertia, Some(Inertia { negative: 1, zero: 0 }));
             solver
         });
         drop(thread.join().unwrap());
     }
+}
+
+/// The suite again, for matrices and vectors that are spread over ranks: over the one there is.
+#[cfg(test)]
+mod tests_together {
+    use super::*;
+    use crate::solve::solver_suite::solver_suite;
+
+    solver_suite!(|pattern| {
+        let rows = rows::Rows::new(None, pattern.order(), 0, 1);
+        let session = Session::open().unwrap();
+        let exchange = library::Exchange::new(&session, rows).unwrap();
+        let plan = Plan::Together { exchange: exchange.into(), layout: None };
+        let tangent = Some(Tangent::new(&session, pattern, &plan).unwrap());
+        drop(session);
+        Snes { plan: Some(plan), tangent, ..Snes::new(pattern).unwrap() }
+    });
 }

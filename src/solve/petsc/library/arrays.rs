@@ -1,4 +1,4 @@
-//! The numbers inside PETSc's vectors, as slices.
+//! The numbers inside PETSc's vectors, as slices: those of this rank.
 
 use std::ops::{Deref, DerefMut};
 use std::{ptr, slice};
@@ -8,7 +8,7 @@ use petsc_sys as sys;
 use super::{check, count};
 use crate::solve::SolverFailure;
 
-/// The entries of a vector, to read.
+/// The own entries of a vector, to read.
 pub(super) struct ReadArray {
     vector: sys::Vec,
     start: *const f64,
@@ -21,7 +21,7 @@ impl ReadArray {
         let (mut start, mut length) = (ptr::null(), 0);
         // SAFETY: this folder passes live vectors under the session's lock.
         unsafe {
-            check(sys::VecGetSize(vector, &mut length))?;
+            check(sys::VecGetLocalSize(vector, &mut length))?;
             check(sys::VecGetArrayRead(vector, &mut start))?;
         }
         Ok(Self { vector, start, length: count(length) })
@@ -44,7 +44,7 @@ impl Drop for ReadArray {
     }
 }
 
-/// The entries of a vector, to write.
+/// The own entries of a vector, to write.
 pub(super) struct WriteArray {
     vector: sys::Vec,
     start: *mut f64,
@@ -57,7 +57,7 @@ impl WriteArray {
         let (mut start, mut length) = (ptr::null_mut(), 0);
         // SAFETY: as in `ReadArray::of`.
         unsafe {
-            check(sys::VecGetSize(vector, &mut length))?;
+            check(sys::VecGetLocalSize(vector, &mut length))?;
             check(sys::VecGetArray(vector, &mut start))?;
         }
         Ok(Self { vector, start, length: count(length) })

@@ -8,7 +8,6 @@ use std::ptr;
 use petsc_sys as sys;
 
 use super::arrays::{ReadArray, WriteArray};
-use super::factor::Factor;
 use super::{Session, check, failure, in_session, petsc_int};
 use crate::solve::{NewtonEnding, SolverFailure};
 
@@ -39,6 +38,8 @@ pub(in crate::solve::petsc) trait Newton {
 #[derive(Debug)]
 pub(in crate::solve::petsc) struct Driver {
     snes: sys::SNES,
+    /// What SNES takes for the tangent; it never looks inside.
+    tangent: sys::Mat,
     x: sys::Vec,
     residual: sys::Vec,
 }
@@ -50,14 +51,34 @@ impl Driver {
     /// A driver for `order` unknowns.
     pub(in crate::solve::petsc) fn new(_: &Session, order: usize) -> Result<Self, SolverFailure> {
         let order = petsc_int(order)?;
-        let mut made =
-            Self { snes: ptr::null_mut(), x: ptr::null_mut(), residual: ptr::null_mut() };
+        let mut made = Self {
+            snes: ptr::null_mut(),
+            tangent: ptr::null_mut(),
+            x: ptr::null_mut(),
+            residual: ptr::null_mut(),
+        };
         // SAFETY: the session's lock is held; handles are written before they are read.
         unsafe {
             let this = sys::petsc_sys_comm_self();
             check(sys::VecCreateSeq(this, order, &mut made.x))?;
             check(sys::VecCreateSeq(this, order, &mut made.residual))?;
+            check(sys::MatCreateShell(
+                this,
+                order,
+                order,
+                order,
+                order,
+                ptr::null_mut(),
+                &mut made.tangent,
+            ))?;
             check(sys::SNESCreate(this, &mut made.snes))?;
+            check(sys::SNESSetJacobian(
+                made.snes,
+                made.tangent,
+                made.tangent,
+                None,
+                ptr::null_mut(),
+            ))?;
             check(sys::SNESSetType(made.snes, sys::SNESNEWTONLS.as_ptr()))?;
             check(sys::KSPSetType(made.ksp()?, sys::KSPPREONLY.as_ptr()))?;
             check(sys::PCSetType(made.pc()?, sys::PCSHELL.as_ptr()))?;
@@ -70,19 +91,7 @@ impl Driver {
         Ok(made)
     }
 
-    /// Shows SNES the matrix of `factor` as the tangent. SNES holds it from now on, whatever becomes of `factor`.
-    pub(in crate::solve::petsc) fn adopt(
-        &mut self,
-        _: &Session,
-        factor: &Factor,
-    ) -> Result<(), SolverFailure> {
-        let matrix = factor.matrix();
-        // SAFETY: the session's lock is held and the handles live; PETSc counts who holds a matrix. The callback and
-        // its context are set by each solve.
-        check(unsafe { sys::SNESSetJacobian(self.snes, matrix, matrix, None, ptr::null_mut()) })
-    }
-
-    /// Runs Newton's method from `x [n]`, which receives the last iterate; a matrix was adopted before.
+    /// Runs Newton's method from `x [n]`, which receives the last iterate.
     ///
     /// # Panics
     /// When `newton` did: its panic is carried through PETSc and goes on here.
@@ -170,6 +179,7 @@ impl Drop for Driver {
             // SAFETY: the session's lock is held; each handle is null or ours and is destroyed once.
             unsafe {
                 sys::SNESDestroy(&mut self.snes);
+                sys::MatDestroy(&mut self.tangent);
                 sys::VecDestroy(&mut self.x);
                 sys::VecDestroy(&mut self.residual);
             }

@@ -1,11 +1,11 @@
 //! `L D L^T` of a sparse symmetric matrix by MUMPS, which counts the signs of the pivots.
 
-use std::{ptr, slice};
+use std::ptr;
 
 use petsc_sys as sys;
 
-use super::arrays::{ReadArray, WriteArray};
-use super::{Session, check, count, failure, in_session, petsc_int};
+use super::matrix::Matrix;
+use super::{Session, check, count, failure, in_session};
 use crate::solve::SolverFailure;
 
 /// Numbers of negative and zero pivots.
@@ -15,15 +15,12 @@ pub(in crate::solve::petsc) struct Inertia {
     pub zero: usize,
 }
 
-/// A symmetric matrix (upper triangle by rows) and its `L D L^T` by MUMPS, analysed once.
+/// A symmetric matrix and its `L D L^T` by MUMPS, analysed once.
 #[derive(Debug)]
 pub(in crate::solve::petsc) struct Factor {
-    matrix: sys::Mat,
+    matrix: Matrix,
     factor: sys::Mat,
     settings: sys::MatFactorInfo,
-    right: sys::Vec,
-    left: sys::Vec,
-    stored: usize,
     /// Room for more than the analysis foresees, %.
     workspace: sys::PetscInt,
 }
@@ -32,53 +29,17 @@ pub(in crate::solve::petsc) struct Factor {
 unsafe impl Send for Factor {}
 
 impl Factor {
-    /// Analyses the pattern: entries of row `i` in `columns[starts[i]..starts[i + 1]]`, sorted, diagonal first.
-    ///
-    /// # Panics
-    /// When the pattern is not of that kind: PETSc would store another number of entries.
-    pub(in crate::solve::petsc) fn new(
-        _: &Session,
-        starts: &[usize],
-        columns: &[usize],
-    ) -> Result<Self, SolverFailure> {
-        let order = starts.len() - 1;
-        for (row, bounds) in starts.windows(2).enumerate() {
-            let columns = &columns[bounds[0]..bounds[1]];
-            assert!(columns.first() == Some(&row) && columns.last() < Some(&order), "row {row}");
-            assert!(columns.is_sorted_by(|one, next| one < next), "row {row} is not sorted");
-        }
-        assert!((starts[0], starts[order]) == (0, columns.len()), "entries outside the rows");
-        let order = petsc_int(order)?;
-        let starts = starts.iter().copied().map(petsc_int).collect::<Result<Vec<_>, _>>()?;
-        let columns = columns.iter().copied().map(petsc_int).collect::<Result<Vec<_>, _>>()?;
+    /// Analyses the pattern of `matrix`.
+    pub(in crate::solve::petsc) fn new(_: &Session, matrix: Matrix) -> Result<Self, SolverFailure> {
         let mut made = Self {
-            matrix: ptr::null_mut(),
+            matrix,
             factor: ptr::null_mut(),
             // SAFETY: plain numbers, for which zero is a value.
             settings: unsafe { std::mem::zeroed() },
-            right: ptr::null_mut(),
-            left: ptr::null_mut(),
-            stored: columns.len(),
             workspace: FIRST_WORKSPACE,
         };
-        // SAFETY: the session's lock is held; the arrays are a valid pattern and are copied; handles are
-        // written before they are read.
-        unsafe {
-            let this = sys::petsc_sys_comm_self();
-            check(sys::MatCreate(this, &mut made.matrix))?;
-            check(sys::MatSetSizes(made.matrix, order, order, order, order))?;
-            check(sys::MatSetType(made.matrix, sys::MATSEQSBAIJ.as_ptr()))?;
-            check(sys::MatSeqSBAIJSetPreallocationCSR(
-                made.matrix,
-                1,
-                starts.as_ptr(),
-                columns.as_ptr(),
-                ptr::null(),
-            ))?;
-            check(sys::VecCreateSeq(this, order, &mut made.right))?;
-            check(sys::VecCreateSeq(this, order, &mut made.left))?;
-            check(sys::MatFactorInfoInitialize(&mut made.settings))?;
-        }
+        // SAFETY: the session's lock is held.
+        check(unsafe { sys::MatFactorInfoInitialize(&mut made.settings) })?;
         made.analyse()?;
         Ok(made)
     }
@@ -89,22 +50,16 @@ impl Factor {
         _: &Session,
         fill: impl FnOnce(&mut [f64]),
     ) -> Result<Option<Inertia>, SolverFailure> {
-        let mut values = ptr::null_mut();
-        // SAFETY: the session's lock is held and the handles live; the matrix has `stored` entries, which
-        // nobody else reads while they are written.
-        unsafe {
-            check(sys::MatSeqSBAIJGetArray(self.matrix, &mut values))?;
-            fill(slice::from_raw_parts_mut(values, self.stored));
-            check(sys::MatSeqSBAIJRestoreArray(self.matrix, &mut values))?;
-            // Tells PETSc that the values are new.
-            check(sys::MatAssemblyBegin(self.matrix, sys::MAT_FINAL_ASSEMBLY))?;
-            check(sys::MatAssemblyEnd(self.matrix, sys::MAT_FINAL_ASSEMBLY))?;
-        }
+        self.matrix.update(fill)?;
         loop {
             let mut error = sys::MAT_FACTOR_NOERROR;
             // SAFETY: the session's lock is held and the handles live.
             unsafe {
-                check(sys::MatCholeskyFactorNumeric(self.factor, self.matrix, &self.settings))?;
+                check(sys::MatCholeskyFactorNumeric(
+                    self.factor,
+                    self.matrix.handle,
+                    &self.settings,
+                ))?;
                 check(sys::MatFactorGetError(self.factor, &mut error))?;
             }
             if error == sys::MAT_FACTOR_NOERROR {
@@ -127,22 +82,16 @@ impl Factor {
         }
     }
 
-    /// Solves with the last factor; `b [n]` is overwritten by the solution.
+    /// Solves with the last factor; `b`, of the own rows, is overwritten by the solution.
     pub(in crate::solve::petsc) fn solve(
         &self,
         _: &Session,
         b: &mut [f64],
     ) -> Result<(), SolverFailure> {
-        WriteArray::of(self.right)?.copy_from_slice(b);
-        // SAFETY: the session's lock is held and the handles live.
-        check(unsafe { sys::MatSolve(self.factor, self.right, self.left) })?;
-        b.copy_from_slice(&ReadArray::of(self.left)?);
-        Ok(())
-    }
-
-    /// The matrix, for SNES to hold (it does not look inside).
-    pub(super) fn matrix(&self) -> sys::Mat {
-        self.matrix
+        self.matrix.through_vectors(b, |right, left| {
+            // SAFETY: the session's lock is held and the handles live.
+            check(unsafe { sys::MatSolve(self.factor, right, left) })
+        })
     }
 
     /// Makes a new factor for the matrix' pattern.
@@ -151,7 +100,7 @@ impl Factor {
         unsafe {
             check(sys::MatDestroy(&mut self.factor))?;
             check(sys::MatGetFactor(
-                self.matrix,
+                self.matrix.handle,
                 sys::MATSOLVERMUMPS.as_ptr(),
                 sys::MAT_FACTOR_CHOLESKY,
                 &mut self.factor,
@@ -161,7 +110,7 @@ impl Factor {
             check(sys::MatMumpsSetIcntl(self.factor, WORKSPACE, self.workspace))?;
             check(sys::MatCholeskyFactorSymbolic(
                 self.factor,
-                self.matrix,
+                self.matrix.handle,
                 ptr::null_mut(),
                 &self.settings,
             ))
@@ -179,13 +128,8 @@ impl Factor {
 impl Drop for Factor {
     fn drop(&mut self) {
         in_session(|| {
-            // SAFETY: the session's lock is held; each handle is null or ours and is destroyed once.
-            unsafe {
-                sys::MatDestroy(&mut self.factor);
-                sys::MatDestroy(&mut self.matrix);
-                sys::VecDestroy(&mut self.right);
-                sys::VecDestroy(&mut self.left);
-            }
+            // SAFETY: the session's lock is held; the handle is null or ours and is destroyed once.
+            unsafe { sys::MatDestroy(&mut self.factor) };
         });
     }
 }
@@ -208,10 +152,14 @@ mod tests {
 
     use super::*;
 
+    fn analysed(session: &Session, starts: &[usize], columns: &[usize]) -> Factor {
+        Factor::new(session, Matrix::alone(session, starts, columns).unwrap()).unwrap()
+    }
+
     /// The matrix `diag(values)`.
     fn diagonal(session: &Session, values: &[f64]) -> (Factor, Option<Inertia>) {
         let starts: Vec<usize> = (0..=values.len()).collect();
-        let mut factor = Factor::new(session, &starts, &starts[..values.len()]).unwrap();
+        let mut factor = analysed(session, &starts, &starts[..values.len()]);
         let inertia = factor.factorize(session, |entries| entries.copy_from_slice(values));
         (factor, inertia.unwrap())
     }
@@ -247,7 +195,7 @@ mod tests {
             }
             starts.push(columns.len());
         }
-        let mut factor = Factor::new(&session, &starts, &columns).unwrap();
+        let mut factor = analysed(&session, &starts, &columns);
         for _ in 0..2 {
             let inertia = factor.factorize(&session, |entries| entries.copy_from_slice(&values));
             assert_eq!(inertia.unwrap(), Some(Inertia { negative: half, zero: 0 }));
@@ -288,9 +236,9 @@ mod tests {
     #[test]
     fn failure_repeats_what_petsc_said() {
         let session = Session::open().unwrap();
-        let factor = Factor::new(&session, &[0, 1], &[0]).unwrap();
+        let factor = analysed(&session, &[0, 1], &[0]);
         // SAFETY: the session's lock is held and the handle lives; PETSc refuses a size that contradicts.
-        let refused = check(unsafe { sys::MatSetSizes(factor.matrix, 7, 7, 7, 7) });
+        let refused = check(unsafe { sys::MatSetSizes(factor.matrix.handle, 7, 7, 7, 7) });
         let message = refused.unwrap_err().to_string();
         assert!(message.starts_with("PETSc failed: error 56: Cannot change"), "{message}");
         assert!(message.ends_with("(in MatSetSizes)"), "{message}");

@@ -23,7 +23,10 @@
 
 mod arrays;
 mod driver;
+mod exchange;
 mod factor;
+mod iteration;
+mod matrix;
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -33,7 +36,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use petsc_sys as sys;
 
 pub(super) use self::driver::{Driver, Newton};
+pub(super) use self::exchange::Exchange;
 pub(super) use self::factor::{Factor, Inertia};
+pub(super) use self::iteration::Iteration;
+pub(super) use self::matrix::Matrix;
 use crate::solve::SolverFailure;
 
 /// The right to call PETSc: the process-wide lock, with the library started.
@@ -66,6 +72,25 @@ impl Session {
         }
         INSIDE.set(true);
         Ok(Self { _library: library })
+    }
+}
+
+impl Session {
+    /// The number of this process among those of its job, and how many these are.
+    pub(super) fn rank(&self) -> (usize, usize) {
+        let (mut rank, mut ranks) = (0, 1);
+        // SAFETY: the lock is held, and MPI is running.
+        unsafe {
+            sys::MPI_Comm_rank(sys::petsc_sys_comm_world(), &mut rank);
+            sys::MPI_Comm_size(sys::petsc_sys_comm_world(), &mut ranks);
+        }
+        (count(rank), count(ranks))
+    }
+
+    /// Whether all ranks have the same `digest`.
+    pub(super) fn is_same(&self, digest: u32) -> bool {
+        // SAFETY: the lock is held, and MPI is running.
+        unsafe { sys::petsc_sys_same(sys::petsc_sys_comm_world(), digest.into()) != 0 }
     }
 }
 
@@ -123,8 +148,28 @@ fn start() -> Result<(), SolverFailure> {
         if ours {
             atexit(finish);
         }
+        let mut ranks = 1;
+        sys::MPI_Comm_size(sys::petsc_sys_comm_world(), &mut ranks);
+        if ranks > 1 {
+            abort_on_panic();
+        }
     }
     Ok(())
+}
+
+/// Ends all ranks where one panics: the others would wait for it for ever.
+fn abort_on_panic() {
+    let say = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        say(panic);
+        abort();
+    }));
+}
+
+/// Ends all ranks at once, this one too.
+pub(super) fn abort() {
+    // SAFETY: MPI allows this call from any thread while it runs.
+    unsafe { sys::MPI_Abort(sys::petsc_sys_comm_world(), 1) };
 }
 
 extern "C" fn finish() {

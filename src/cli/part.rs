@@ -1,0 +1,163 @@
+//! `[part]`: where a part comes from.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{bail, ensure};
+use serde::{Deserialize, Serialize};
+
+use super::material::{positive, within};
+use super::patch_part::PatchSection;
+use crate::genome::Network;
+use crate::mesh::SolidMesh;
+use crate::surface::TriangleMesh;
+
+/// Where the part comes from; exactly one of them, files relative to the scene file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Part {
+    /// A network file; its surface is the middle of the wall.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<PathBuf>,
+    /// An STL file of a closed mid-surface, mm, z along the part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stl: Option<PathBuf>,
+    /// A Gmsh or VTU file of the wall in tetrahedra, mm, z along the part, clamped at its base.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tetrahedra: Option<PathBuf>,
+    /// An open surface given by formulas.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub patch: Option<PatchSection>,
+    /// A closed sphere about the origin, free but for its rigid motions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sphere: Option<SphereSection>,
+    /// A closed ellipsoid about the origin, free but for its rigid motions; `[mesh] edge` says how fine.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ellipsoid: Option<EllipsoidSection>,
+}
+
+/// A sphere of triangles: an icosahedron whose triangles are quartered again and again.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SphereSection {
+    /// Of the mid-surface, mm.
+    pub radius: f64,
+    /// How often; 3 makes 1280 triangles.
+    pub subdivisions: usize,
+}
+
+/// An ellipsoid of triangles of one size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EllipsoidSection {
+    /// Of the mid-surface along x, y and z, mm.
+    pub semi_axes: [f64; 3],
+}
+
+/// Where the files that a part names are read.
+pub(super) trait PartFiles {
+    /// The network in the file at `path`.
+    fn network(&self, path: &Path) -> anyhow::Result<Network>;
+    /// The triangles of the STL file at `path`, mm.
+    fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh>;
+    /// The tetrahedra of the Gmsh or VTU file at `path`, mm.
+    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh>;
+}
+
+/// What a scene's part is made from.
+pub(super) enum PartSource<'a> {
+    Network {
+        file: PathBuf,
+        network: Network,
+    },
+    Stl {
+        file: PathBuf,
+        surface: TriangleMesh,
+    },
+    Tetrahedra {
+        file: PathBuf,
+        mesh: SolidMesh,
+    },
+    Patch(&'a PatchSection),
+    Sphere(SphereSection),
+    /// Its semi-axes, mm.
+    Ellipsoid([f64; 3]),
+}
+
+impl PartSource<'_> {
+    /// Whether the part is a shell that is clamped at its base and has a tip.
+    pub(super) fn is_actuator(&self) -> bool {
+        matches!(self, Self::Network { .. } | Self::Stl { .. })
+    }
+}
+
+impl Part {
+    /// What the part of the scene file at `path` is made from.
+    pub(super) fn source(
+        &self,
+        path: &Path,
+        files: &dyn PartFiles,
+    ) -> anyhow::Result<PartSource<'_>> {
+        let beside = |file: &PathBuf| path.parent().unwrap_or(Path::new("")).join(file);
+        let Self { network, stl, tetrahedra, patch, sphere, ellipsoid } = self;
+        let given = [
+            network.is_some(),
+            stl.is_some(),
+            tetrahedra.is_some(),
+            patch.is_some(),
+            sphere.is_some(),
+            ellipsoid.is_some(),
+        ];
+        let all = "`network`, `stl`, `tetrahedra`, `patch`, `sphere` and `ellipsoid`";
+        if given.iter().filter(|given| **given).count() > 1 {
+            bail!("{}: [part] has more than one of {all}; give one", path.display());
+        }
+        if let Some(file) = network {
+            let file = beside(file);
+            Ok(PartSource::Network { network: files.network(&file)?, file })
+        } else if let Some(file) = stl {
+            let file = beside(file);
+            Ok(PartSource::Stl { surface: files.surface(&file)?, file })
+        } else if let Some(file) = tetrahedra {
+            let file = beside(file);
+            Ok(PartSource::Tetrahedra { mesh: files.tetrahedra(&file)?, file })
+        } else if let Some(patch) = patch {
+            Ok(PartSource::Patch(patch))
+        } else if let Some(sphere) = sphere {
+            Ok(PartSource::Sphere(*sphere))
+        } else if let Some(ellipsoid) = ellipsoid {
+            Ok(PartSource::Ellipsoid(ellipsoid.semi_axes))
+        } else {
+            bail!("{}: [part] has none of {all}; give one", path.display())
+        }
+    }
+
+    /// Whether it is free but for its rigid motions.
+    pub(super) fn is_free(&self) -> bool {
+        self.sphere.is_some() || self.ellipsoid.is_some()
+    }
+
+    /// Checks the shapes that are given by numbers; `edge` (mm) is how finely an ellipsoid is meshed.
+    pub(super) fn check(&self, edge: f64) -> anyhow::Result<()> {
+        if let Some(EllipsoidSection { semi_axes }) = self.ellipsoid {
+            for semi_axis in semi_axes {
+                positive("[part.ellipsoid] semi_axes", semi_axis)?;
+            }
+            let shortest = semi_axes.into_iter().fold(f64::INFINITY, f64::min);
+            let longest = semi_axes.into_iter().fold(0.0, f64::max);
+            // Beyond, its ends are sharper than its triangles; or it has some hundred thousand of them.
+            within("[mesh] edge of a [part.ellipsoid]", edge, 0.01 * longest, shortest)?;
+        }
+        if let Some(sphere) = self.sphere {
+            positive("[part.sphere] radius", sphere.radius)?;
+            ensure!(
+                (1..=MOST_SUBDIVISIONS).contains(&sphere.subdivisions),
+                "[part.sphere] subdivisions is {}, but it must lie between 1 and {MOST_SUBDIVISIONS}",
+                sphere.subdivisions
+            );
+        }
+        Ok(())
+    }
+}
+
+/// 6 make some 80 000 triangles.
+const MOST_SUBDIVISIONS: usize = 6;

@@ -1,0 +1,167 @@
+//! The fidelity certificate: how far a shell's answers may be believed, judged by the solid of the same wall.
+//!
+//! ```text
+//! deviation of q = max_k |q_shell(p_k) - q_solid(p_k)| / max_k |q_solid(p_k)|      over the samples p_k that both paths have
+//! ```
+//!
+//! Angles are the chord's, forces the plane's; work and growth are those of the chamber's volume, which is the same for the
+//! mid-surface and for the chamber itself as far as the wall keeps its volume.
+
+use serde::{Deserialize, Serialize};
+
+use super::evaluate::Scenarios;
+use super::observation::Observation;
+
+/// What a deviation means.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FidelitySettings {
+    /// Up to this largest deviation the shell is trusted.
+    pub trust: f64,
+    /// Up to this it wants a second look; beyond, it misleads.
+    pub check: f64,
+}
+
+impl Default for FidelitySettings {
+    fn default() -> Self {
+        Self { trust: 0.1, check: 0.25 }
+    }
+}
+
+/// Whether a shell's answers may be believed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// They are those of the solid.
+    Trust,
+    /// They differ visibly.
+    Check,
+    /// They are of another part, or one of the paths ends where the other goes on.
+    Misleads,
+}
+
+/// How a design's shell and solid compare.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Certificate {
+    /// Deviation of the chord angle; an angle below a degree counts as one.
+    pub angle: f64,
+    /// Deviation of the force on the plane.
+    pub force: f64,
+    /// Deviation of the pressure's work.
+    pub work: f64,
+    /// Deviation of the volume's growth.
+    pub growth: f64,
+    /// Share of the pressures reached that both reached, bending and blocked.
+    pub common_pressure: f64,
+    /// What follows.
+    pub verdict: Verdict,
+}
+
+impl Certificate {
+    /// Compares the scenarios of a design's `shell` with those of its `solid`.
+    #[must_use]
+    pub fn new(shell: &Scenarios, solid: &Scenarios, settings: &FidelitySettings) -> Self {
+        let free = [&shell.free_rows[..], &solid.free_rows];
+        let blocked = [&shell.blocked_rows[..], &solid.blocked_rows];
+        let angle = deviation(free, LEAST_ANGLE, |row, _| row.angle_deg);
+        let force = deviation(blocked, 0.0, |row, _| row.plane_force);
+        let work = deviation(free, 0.0, |row, _| row.work);
+        let growth = deviation(free, 0.0, |row, rest| row.volume - rest.volume);
+        let common_pressure = common_pressure(free).min(common_pressure(blocked));
+        let largest = [angle, force, work, growth].into_iter().fold(0.0, f64::max);
+        let verdict = if largest <= settings.trust && common_pressure == 1.0 {
+            Verdict::Trust
+        } else if largest <= settings.check && common_pressure == 1.0 {
+            Verdict::Check
+        } else {
+            Verdict::Misleads
+        };
+        Self { angle, force, work, growth, common_pressure, verdict }
+    }
+
+    /// The largest deviation.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        [self.angle, self.force, self.work, self.growth].into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// Degrees.
+const LEAST_ANGLE: f64 = 1.0;
+/// Pressures that differ by less, relatively, are the same sample.
+const SAME: f64 = 1e-9;
+
+/// The deviation of what `quantity` reads off a row and that at rest, over the pairs of equal pressure of `[shell, solid]`.
+fn deviation(
+    [shell, solid]: [&[Observation]; 2],
+    least: f64,
+    quantity: impl Fn(&Observation, &Observation) -> f64,
+) -> f64 {
+    let (mut largest, mut scale) = (0.0_f64, least);
+    for row in solid.iter().filter(|row| row.is_sample) {
+        let is_same = |other: &&Observation| {
+            other.is_sample && (other.pressure - row.pressure).abs() <= SAME * row.pressure.abs()
+        };
+        if let Some(other) = shell.iter().find(is_same) {
+            let [value, other] = [quantity(row, &solid[0]), quantity(other, &shell[0])];
+            largest = largest.max((value - other).abs());
+            scale = scale.max(value.abs());
+        }
+    }
+    if largest == 0.0 { 0.0 } else { largest / scale }
+}
+
+/// The share of the longer path that the shorter one has.
+fn common_pressure(rows: [&[Observation]; 2]) -> f64 {
+    let [a, b] = rows.map(|rows| rows.last().map_or(0.0, |row| row.pressure));
+    if (a - b).abs() <= SAME * a.max(b) { 1.0 } else { a.min(b) / a.max(b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(pressure: f64, volume: f64) -> Observation {
+        Observation {
+            step: 0,
+            pressure,
+            volume,
+            work: 0.0,
+            stored_energy: 0.0,
+            tip_x: 0.0,
+            tip_y: 0.0,
+            tip_z: 0.0,
+            angle_deg: 0.1 * volume,
+            tangent_angle_deg: 0.0,
+            max_displacement: 0.0,
+            plane_force: 0.0,
+            wall_gap: None,
+            self_contact_force: None,
+            newton_iterations: 0,
+            step_cuts: 0,
+            stability: "stable",
+            is_sample: true,
+        }
+    }
+
+    /// Growth is measured from each one's own rest, and what only one path has is not compared.
+    #[test]
+    fn deviations_are_of_common_samples() {
+        let shell = [row(0.0, 100.0), row(0.1, 110.0), row(0.2, 125.0), row(0.3, 300.0)];
+        let solid = [row(0.0, 80.0), row(0.1, 91.0), row(0.2, 100.0)];
+        let growth = deviation([&shell, &solid], 0.0, |row, rest| row.volume - rest.volume);
+        assert!((growth - 5.0 / 20.0).abs() < 1e-15);
+        assert!((common_pressure([&shell, &solid]) - 2.0 / 3.0).abs() < 1e-15);
+        assert_eq!(common_pressure([&shell[..3], &solid]), 1.0);
+    }
+
+    /// Nothing is no deviation from nothing, and something is an infinite one.
+    #[test]
+    fn nothing_deviates_from_nothing() {
+        let rest = [row(0.0, 5.0), row(0.1, 5.0)];
+        assert_eq!(deviation([&rest, &rest], 0.0, |row, _| row.plane_force), 0.0);
+        let moved = [row(0.0, 5.0), row(0.1, 6.0)];
+        let growth = |row: &Observation, rest: &Observation| row.volume - rest.volume;
+        assert_eq!(deviation([&moved, &rest], 0.0, growth), f64::INFINITY);
+    }
+}

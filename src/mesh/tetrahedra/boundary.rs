@@ -1,0 +1,199 @@
+//! From bare tetrahedra to a [`TetMesh`]: turned the right way, without unused vertices, with their boundary.
+
+use super::TetDefect;
+use crate::math::Vec3;
+use crate::mesh::TetMesh;
+use crate::surface::TriangleMesh;
+
+/// A mesh whose vertices were numbered anew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbered {
+    /// The mesh.
+    pub mesh: TetMesh,
+    /// The former number of each vertex, ascending, `[vertices]`.
+    pub former: Vec<u32>,
+}
+
+impl TetMesh {
+    /// The mesh of `tetrahedra` (turned either way) over some of the `positions`.
+    ///
+    /// A face of the boundary is the chamber's when `is_chamber` says so of its former vertex numbers, in ascending order.
+    ///
+    /// # Errors
+    /// [`TetDefect`] when the tetrahedra are flat, name no vertex, or do not meet face to face.
+    pub fn of_tetrahedra(
+        positions: &[Vec3],
+        tetrahedra: &[[u32; 4]],
+        is_chamber: impl Fn([u32; 3]) -> bool,
+    ) -> Result<Numbered, TetDefect> {
+        check_vertices(positions, tetrahedra)?;
+        let turned: Vec<[u32; 4]> = tetrahedra
+            .iter()
+            .map(|&[a, b, c, d]| {
+                let corners = [a, b, c, d].map(|v| positions[v as usize]);
+                if volume(corners) < 0.0 { [b, a, c, d] } else { [a, b, c, d] }
+            })
+            .collect();
+        let flat = turned
+            .iter()
+            .filter(|tetrahedron| is_flat(tetrahedron.map(|v| positions[v as usize])))
+            .count();
+        if flat > 0 {
+            return Err(TetDefect::Flat { tetrahedra: flat });
+        }
+        let (chamber, outer): (Vec<_>, Vec<_>) =
+            boundary(&turned)?.into_iter().partition(|&face| is_chamber(sorted(face)));
+
+        let mut used = vec![false; positions.len()];
+        turned.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let former: Vec<u32> = (0..positions.len() as u32).filter(|&v| used[v as usize]).collect();
+        let mut now = vec![0; positions.len()];
+        former.iter().zip(0..).for_each(|(&v, number)| now[v as usize] = number);
+        let now = |v: u32| now[v as usize];
+        let mesh = Self {
+            positions: former.iter().map(|&v| positions[v as usize]).collect(),
+            tetrahedra: turned.iter().map(|tetrahedron| tetrahedron.map(now)).collect(),
+            chamber: chamber.iter().map(|&[a, b, c]| [a, c, b].map(now)).collect(),
+            outer: outer.iter().map(|face| face.map(now)).collect(),
+        };
+        Ok(Numbered { mesh, former })
+    }
+
+    /// The same tetrahedra with the chamber found by itself: each closed part of the boundary but the outermost.
+    #[must_use]
+    pub fn with_chamber_found(self) -> Self {
+        let mut faces = self.outer;
+        faces.extend(self.chamber.iter().map(|&[a, b, c]| [a, c, b]));
+        faces.sort_unstable();
+        let surface = TriangleMesh { positions: self.positions, triangles: faces };
+        let components = surface.components();
+        let volumes = surface.component_volumes();
+        let (mut outer, mut chamber) = (Vec::new(), Vec::new());
+        for (&[a, b, c], component) in surface.triangles.iter().zip(components) {
+            // Seen from the wall, an inner surface is inside out.
+            if volumes[component as usize] < 0.0 {
+                chamber.push([a, c, b]);
+            } else {
+                outer.push([a, b, c]);
+            }
+        }
+        Self { positions: surface.positions, tetrahedra: self.tetrahedra, chamber, outer }
+    }
+
+    /// The corners of tetrahedron `t`, mm.
+    #[must_use]
+    pub fn corners(&self, t: usize) -> [Vec3; 4] {
+        self.tetrahedra[t].map(|v| self.positions[v as usize])
+    }
+
+    /// The volume of the wall, mm^3.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        (0..self.tetrahedra.len()).map(|t| volume(self.corners(t))).sum()
+    }
+
+    /// The outside by itself, closed, with normals out of the wall.
+    #[must_use]
+    pub fn outer_surface(&self) -> TriangleMesh {
+        surface(&self.positions, &self.outer)
+    }
+
+    /// The chamber by itself, closed, with normals out of the chamber.
+    #[must_use]
+    pub fn chamber_surface(&self) -> TriangleMesh {
+        surface(&self.positions, &self.chamber)
+    }
+}
+
+/// The signed volume `(b - a) . (c - a) x (d - a) / 6` of a tetrahedron, mm^3.
+pub(super) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
+    (b - a).dot(&(c - a).cross(&(d - a))) / 6.0
+}
+
+/// A tetrahedron of less than this share of the cube on its longest edge is flat by rounding alone.
+const FLAT: f64 = 1e-13;
+
+pub(super) fn is_flat(corners: [Vec3; 4]) -> bool {
+    let longest = edge_lengths(corners).into_iter().fold(0.0, f64::max);
+    volume(corners).abs() <= FLAT * longest.powi(3)
+}
+
+/// The lengths of the edges in the order of [`crate::mesh::TET_EDGES`], mm.
+pub(super) fn edge_lengths(corners: [Vec3; 4]) -> [f64; 6] {
+    crate::mesh::TET_EDGES.map(|[i, j]| (corners[j] - corners[i]).norm())
+}
+
+/// The faces of a tetrahedron of positive volume, with normals out of it, opposite to its corners 0, 1, 2, 3.
+pub(super) fn faces([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 4] {
+    [[b, c, d], [a, d, c], [a, b, d], [a, c, b]]
+}
+
+/// The faces of one tetrahedron only, with normals out of it, in ascending order of their sorted corners.
+///
+/// # Errors
+/// [`TetDefect`] unless all other faces have one tetrahedron on either side.
+pub(super) fn boundary(tetrahedra: &[[u32; 4]]) -> Result<Vec<[u32; 3]>, TetDefect> {
+    let mut all: Vec<([u32; 3], [u32; 3])> = tetrahedra
+        .iter()
+        .flat_map(|&corners| faces(corners))
+        .map(|face| (sorted(face), face))
+        .collect();
+    all.sort_unstable();
+    let (mut boundary, mut crowded, mut overlapping) = (Vec::new(), 0, 0);
+    for same in all.chunk_by(|a, b| a.0 == b.0) {
+        match same {
+            [(_, face)] => boundary.push(*face),
+            [(_, one), (_, other)] => overlapping += usize::from(is_even(*one) == is_even(*other)),
+            _ => crowded += 1,
+        }
+    }
+    if crowded > 0 {
+        return Err(TetDefect::CrowdedFaces { faces: crowded });
+    }
+    if overlapping > 0 {
+        return Err(TetDefect::Overlapping { faces: overlapping });
+    }
+    Ok(boundary)
+}
+
+/// Whether `face` is an even permutation of its sorted corners.
+pub(super) fn is_even([a, b, c]: [u32; 3]) -> bool {
+    (a < b) ^ (b < c) ^ (a < c)
+}
+
+pub(super) fn sorted(mut face: [u32; 3]) -> [u32; 3] {
+    face.sort_unstable();
+    face
+}
+
+/// # Errors
+/// [`TetDefect`] unless there are tetrahedra, over finite vertices.
+pub(super) fn check_vertices(positions: &[Vec3], tetrahedra: &[[u32; 4]]) -> Result<(), TetDefect> {
+    if tetrahedra.is_empty() {
+        return Err(TetDefect::Empty);
+    }
+    let beyond = |corners: &&[u32; 4]| corners.iter().any(|&v| v as usize >= positions.len());
+    let tetrahedra = tetrahedra.iter().filter(beyond).count();
+    if tetrahedra > 0 {
+        return Err(TetDefect::IndexOutOfRange { tetrahedra });
+    }
+    let not_finite = |p: &&Vec3| !p.iter().all(|x| x.is_finite());
+    let vertices = positions.iter().filter(not_finite).count();
+    if vertices > 0 {
+        return Err(TetDefect::NotFinite { vertices });
+    }
+    Ok(())
+}
+
+/// The triangles over their vertices alone.
+fn surface(positions: &[Vec3], triangles: &[[u32; 3]]) -> TriangleMesh {
+    let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut now = vec![0; positions.len()];
+    vertices.iter().zip(0..).for_each(|(&v, number)| now[v as usize] = number);
+    TriangleMesh {
+        positions: vertices.iter().map(|&v| positions[v as usize]).collect(),
+        triangles: triangles.iter().map(|t| t.map(|v| now[v as usize])).collect(),
+    }
+}
