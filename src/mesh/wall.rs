@@ -41,7 +41,13 @@ impl Default for WallSettings {
 /// The faces of the wall of `thickness` (mm) around `mid`, a closed surface: closed, without self-intersections, apart.
 ///
 /// Pieces of the chamber, and pockets outside that the wall encloses, become solid when they are smaller than 1 % of the
-/// volume: air does not reach them, and no printer could clear them.
+/// volume: air does not reach them, and no printer could clear them. Neither do passages connect that a fillet fills.
+///
+/// # Decisions
+/// Of 300 random valid designs with walls of 1.6 mm and edges of 2 mm (`examples/walls.rs`), 296 succeed, 34 of them with
+/// fillets; the median takes 0.4 s, the slowest 5 s. One triangle in 4700 has an angle below 30 degrees. Edges of one length
+/// cut off the ridges of sharp folds, whose radius is half the wall, and broke 6 walls of 31; shorter ones there cost a tenth
+/// to a fifth more triangles. The volume is 0.6 % above Steiner's, the chords of the chamber's side.
 ///
 /// # Errors
 /// [`Rejected`] with the reason `defective_surface` or `self_intersecting` when `mid` has no inside; `chamber_closed` when it is nowhere
@@ -153,15 +159,18 @@ impl Face<'_> {
             return Err(self.closed(offset));
         };
         let lesser = volumes.iter().map(|v| v.abs()).sum::<f64>() - volumes[main];
-        let share = lesser / volumes[main];
+        let share = lesser / (lesser + volumes[main]);
         if share > MOST_CUT_OFF {
-            let count = volumes.len() - 1;
-            let share_of = format!("{count} of {:.1} % of the volume", 100.0 * share);
-            return Err(if self.offset > 0.0 {
-                rejected("enclosed_pocket", format!("pockets outside: {share_of}"), share)
-            } else {
-                rejected("chamber_divided", format!("pieces cut off: {share_of}"), share)
-            });
+            let outside = self.offset > 0.0;
+            let reason = if outside { "enclosed_pocket" } else { "chamber_divided" };
+            let detail = format!(
+                "passages narrower than {:.1} mm cut off {} pieces of the {}, {:.1} % of the volume",
+                2.0 * (offset - self.offset).abs(),
+                volumes.len() - 1,
+                self.name(),
+                100.0 * share
+            );
+            return Err(rejected(reason, detail, share));
         }
         Ok(pieces.component(main as u32))
     }
@@ -330,14 +339,14 @@ mod tests {
             let channel = tube(p, 0.6).max(p.x.abs() - 6.0);
             ball(p, -6.0, 4.0).min(ball(p, 6.0, 3.0)).min(channel)
         };
-        let share = (1.8_f64 / 2.8).powi(3);
-        rejected(&level(dumbbell, 0.6), 1.6, "chamber_divided", share);
+        let ratio = (1.8_f64 / 2.8).powi(3);
+        rejected(&level(dumbbell, 0.6), 1.6, "chamber_divided", ratio / (1.0 + ratio));
         let bottle = |p| {
             let channel = tube(p, 0.6).max(-p.x);
             ball(p, 0.0, 10.0).max(-ball(p, 0.0, 5.0).min(channel))
         };
-        let share = (3.8_f64 / 11.2).powi(3);
-        rejected(&level(bottle, 0.6), 1.6, "enclosed_pocket", share);
+        let ratio = (3.8_f64 / 11.2).powi(3);
+        rejected(&level(bottle, 0.6), 1.6, "enclosed_pocket", ratio / (1.0 + ratio));
         let balls = TriangleMesh::sphere(5.0, 3);
         let mut moved = balls.clone();
         moved.positions.iter_mut().for_each(|p| p.x += 7.0);
