@@ -44,7 +44,7 @@ impl Default for WallSettings {
 /// volume: air does not reach them, and no printer could clear them. Neither do passages connect that a fillet fills.
 ///
 /// # Decisions
-/// Of 300 random valid designs with walls of 1.6 mm and edges of 2 mm (`examples/walls.rs`), 296 succeed, 34 of them with
+/// Of 300 random valid designs (`examples/walls.rs`, 150 of seed 1 and 150 of seed 2), 296 succeed, 34 of them with
 /// fillets; the median takes 0.4 s, the slowest 5 s. One triangle in 4700 has an angle below 30 degrees. Edges of one length
 /// cut off the ridges of sharp folds, whose radius is half the wall, and broke 6 walls of 31; shorter ones there cost a tenth
 /// to a fifth more triangles. The volume is 0.6 % above Steiner's, the chords of the chamber's side.
