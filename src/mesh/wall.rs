@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::WallSurfaces;
 use super::from_field::{GRID_SHARE, REMESH_ITERATIONS};
 use crate::field::{GridSamples, ScalarField};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Rejected, Room};
 use crate::surface::{
     Filleted, Grading, Offset, RemeshSettings, SignedDistance, TriangleMesh,
     interpolated_isosurface, intersecting_pairs, remesh_graded,
@@ -41,7 +41,13 @@ impl Default for WallSettings {
 /// The faces of the wall of `thickness` (mm) around `mid`, a closed surface: closed, without self-intersections, apart.
 ///
 /// Pieces of the chamber, and pockets outside that the wall encloses, become solid when they are smaller than 1 % of the
-/// volume: air does not reach them, and no printer could clear them.
+/// volume: air does not reach them, and no printer could clear them. Neither do passages connect that a fillet fills.
+///
+/// # Decisions
+/// Of 300 random valid designs (`examples/walls.rs`, 150 of seed 1 and 150 of seed 2), 296 succeed, 34 of them with
+/// fillets; the median takes 0.4 s, the slowest 5 s. One triangle in 4700 has an angle below 30 degrees. Edges of one length
+/// cut off the ridges of sharp folds, whose radius is half the wall, and broke 6 walls of 31; shorter ones there cost a tenth
+/// to a fifth more triangles. The volume is 0.6 % above Steiner's, the chords of the chamber's side.
 ///
 /// # Errors
 /// [`Rejected`] with the reason `defective_surface` or `self_intersecting` when `mid` has no inside; `chamber_closed` when it is nowhere
@@ -153,15 +159,18 @@ impl Face<'_> {
             return Err(self.closed(offset));
         };
         let lesser = volumes.iter().map(|v| v.abs()).sum::<f64>() - volumes[main];
-        let share = lesser / volumes[main];
+        let share = lesser / (lesser + volumes[main]);
         if share > MOST_CUT_OFF {
-            let count = volumes.len() - 1;
-            let share_of = format!("{count} of {:.1} % of the volume", 100.0 * share);
-            return Err(if self.offset > 0.0 {
-                rejected("enclosed_pocket", format!("pockets outside: {share_of}"), share)
-            } else {
-                rejected("chamber_divided", format!("pieces cut off: {share_of}"), share)
-            });
+            let outside = self.offset > 0.0;
+            let reason = if outside { "enclosed_pocket" } else { "chamber_divided" };
+            let detail = format!(
+                "passages narrower than {:.1} mm cut off {} pieces of the {}, {:.1} % of the volume",
+                2.0 * (offset - self.offset).abs(),
+                volumes.len() - 1,
+                self.name(),
+                100.0 * share
+            );
+            return Err(rejected(reason, detail, share));
         }
         Ok(pieces.component(main as u32))
     }
@@ -245,8 +254,9 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::math::Vec3;
+    use crate::surface::isosurface;
     use crate::surface::test_fields::Analytic;
-    use crate::surface::{SurfaceQuality, isosurface};
 
     fn settings(edge: f64) -> WallSettings {
         WallSettings { edge, ..WallSettings::default() }
@@ -289,28 +299,28 @@ mod tests {
         assert_relative_eq!(volume(&surfaces), steiner, epsilon = 0.1 * second);
     }
 
-    /// A bellows whose grooves are 1.2 mm wide: walls of 1.6 mm fill them, and the outside is a tube with shallow notches.
+    /// A bellows with folds of 1.8 mm: walls of 1.6 mm fill its grooves. The volume is counted on a grid as well.
     #[test]
     fn folds_that_overlap_merge() {
         let bellows = |p: Vec3| {
-            let rho = p.x.hypot(p.y) - 7.0 - 1.5 * (2.0 * PI * p.z / 2.4).cos().clamp(-0.7, 0.7);
-            rho.max(p.z.abs() - 9.0)
+            let rho = p.x.hypot(p.y) - 7.0 - 1.5 * (2.0 * PI * p.z / 1.8).cos().clamp(-0.7, 0.7);
+            rho.max(p.z.abs() - 4.8)
         };
-        let mid = level(bellows, 0.4);
+        let (mid, thickness) = (level(bellows, 0.4), 1.6);
         let distance = SignedDistance::new(&mid).unwrap();
-        let surfaces = wall_surfaces(&mid, 1.6, &settings(1.5)).unwrap();
+        let surfaces = wall_surfaces(&mid, thickness, &settings(1.5)).unwrap();
         assert!(intersecting_pairs(&surfaces.outer.joined(&surfaces.chamber)).is_empty());
-        let quality = SurfaceQuality::of(&surfaces.outer).unwrap();
-        assert_eq!(quality.genus, 0);
-        let crest = 7.0 + 1.5 * 0.7 + 0.8;
-        for p in surfaces.outer.positions.iter().filter(|p| p.z.abs() < 8.0) {
-            // Notches: circles of radius 0.8 mm around crests that are 1.2 mm wide and 1.2 mm apart meet 0.53 mm deep.
-            assert!(p.x.hypot(p.y) > crest - 0.6, "{p} is in a groove");
-        }
         for p in &surfaces.outer.positions {
             // A vertex may be left where it was when it is within 5 % of an edge.
             assert!(distance.value(*p) > 0.8 - 0.05 * 1.5, "{p} is inside the wall");
         }
+        let step = 0.4;
+        let samples = GridSamples::of(&distance, Vec3::new(-10.0, -10.0, -6.0), step, [51, 51, 31]);
+        let inside = samples.values.iter().filter(|d| d.abs() < 0.5 * thickness).count();
+        let counted = inside as f64 * step.powi(3);
+        // Fillets of 0.4 mm in the notches, and chords, are worth some percent; two walls for each fold, a tenth and more.
+        assert_relative_eq!(volume(&surfaces), counted, max_relative = 0.04);
+        assert!(volume(&surfaces) < 0.9 * mid.area() * thickness);
     }
 
     #[test]
@@ -329,14 +339,14 @@ mod tests {
             let channel = tube(p, 0.6).max(p.x.abs() - 6.0);
             ball(p, -6.0, 4.0).min(ball(p, 6.0, 3.0)).min(channel)
         };
-        let share = (1.8_f64 / 2.8).powi(3);
-        rejected(&level(dumbbell, 0.5), 1.6, "chamber_divided", share);
+        let ratio = (1.8_f64 / 2.8).powi(3);
+        rejected(&level(dumbbell, 0.6), 1.6, "chamber_divided", ratio / (1.0 + ratio));
         let bottle = |p| {
             let channel = tube(p, 0.6).max(-p.x);
             ball(p, 0.0, 10.0).max(-ball(p, 0.0, 5.0).min(channel))
         };
-        let share = (3.8_f64 / 11.2).powi(3);
-        rejected(&level(bottle, 0.5), 1.6, "enclosed_pocket", share);
+        let ratio = (3.8_f64 / 11.2).powi(3);
+        rejected(&level(bottle, 0.6), 1.6, "enclosed_pocket", ratio / (1.0 + ratio));
         let balls = TriangleMesh::sphere(5.0, 3);
         let mut moved = balls.clone();
         moved.positions.iter_mut().for_each(|p| p.x += 7.0);

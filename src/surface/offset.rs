@@ -123,7 +123,7 @@ mod tests {
 
     /// Two balls of radius 3 mm whose middles are 8 mm apart.
     fn two_balls() -> SignedDistance {
-        let ball = TriangleMesh::sphere(3.0, 5);
+        let ball = TriangleMesh::sphere(3.0, 4);
         let moved = |x: f64| TriangleMesh {
             positions: ball.positions.iter().map(|p| p + Vec3::new(x, 0.0, 0.0)).collect(),
             triangles: ball.triangles.clone(),

@@ -319,6 +319,31 @@ mod tests {
         assert!((2..6).contains(&accepted), "{accepted} of 6, the two smooth ones at least");
     }
 
+    /// A ring of wire on a ball: triangles of 2 mm would cut the wire of 0.8 mm radius away.
+    #[test]
+    fn graded_triangles_are_small_where_the_surface_bends() {
+        let ring = torus(8.0, 0.8);
+        let field = Analytic(move |p: Vec3| ring.value(p).min(p.norm() - 5.0));
+        let grading = Grading { shortest: 0.5, chord_error: 0.1, side: 1.0 };
+        let rough = rough(&field, 10.0, 0.7);
+        let mesh = remesh_graded(&rough, &field, &settings(2.0), &grading).unwrap();
+        assert_eq!(mesh.check_closed_manifold(), Ok(()));
+        let facets: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect();
+        let (on_ring, on_ball): (Vec<_>, Vec<_>) =
+            facets.into_iter().partition(|f| f[0].norm() > 6.0);
+        let edge = |facets: &[[Vec3; 3]]| {
+            facets.iter().map(|[a, b, _]| (b - a).norm()).sum::<f64>() / facets.len() as f64
+        };
+        // On the wire sqrt(6 e r - 3 e^2) = 0.67 mm, on the ball 1.72 mm; remeshing makes edges of 0.9 to 1.1 times that.
+        assert!((0.6..0.75).contains(&edge(&on_ring)), "{}", edge(&on_ring));
+        assert!((1.5..1.9).contains(&edge(&on_ball)), "{}", edge(&on_ball));
+        let sag = |[a, b, c]: &[Vec3; 3]| -field.value((a + b + c) / 3.0);
+        let deepest = on_ring.iter().chain(&on_ball).map(sag).fold(0.0, f64::max);
+        // The error wanted is that of an edge of the length wanted; some are 4/3 as long.
+        assert!(deepest < 0.1 * 16.0 / 9.0, "{deepest}");
+        assert!(remesh(&rough, Some(&field), &settings(2.0)).is_err());
+    }
+
     #[test]
     fn necks_finer_than_the_edge_are_refused() {
         let neck = |radius: f64| {
