@@ -19,7 +19,7 @@ use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, msh, stl, toml_file};
+use crate::io::{OutputFolder, atomic, msh, stl, toml_file, vtu_solid};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::system::System;
@@ -180,7 +180,16 @@ impl PartFiles for OnDisk {
     }
 
     fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
-        Ok(msh::read(path)?)
+        let is_vtu = path.extension().is_some_and(|extension| extension == "vtu");
+        let mesh = if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? };
+        let overlapping = mesh.overlapping_faces();
+        if overlapping > 0 {
+            warn(&format!(
+                "{}: the tetrahedra overlap at {overlapping} faces; each counts in full",
+                path.display()
+            ));
+        }
+        Ok(mesh)
     }
 }
 
