@@ -1,6 +1,6 @@
 //! How often, how well and how fast the walls of random valid genomes become tetrahedra.
 //!
-//! `cargo run --release --example wall_tetrahedra -- GENOMES EDGE [THICKNESS]`
+//! `cargo run --release --example wall_tetrahedra -- GENOMES EDGE [tetgen | gmsh]`
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "it is a program that prints a table")]
 
@@ -12,16 +12,23 @@ use pneumorph::genome::Bounds;
 use pneumorph::io::gmsh::{Algorithm, Gmsh};
 use pneumorph::io::tetgen::TetGen;
 use pneumorph::math::random::{Purpose, Stream};
-use pneumorph::mesh::tetrahedra::{TetSettings, Unfilled, filled_wall};
+use pneumorph::mesh::tetrahedra::{TetMesher, TetSettings, Unfilled, filled_wall};
 use pneumorph::mesh::{MeshSettings, WallSettings, surface_of_field, wall_surfaces};
 
+/// Of the walls, mm.
+const THICKNESS: f64 = 1.6;
+
 fn main() {
-    let arguments: Vec<f64> = std::env::args().skip(1).map(|a| a.parse().unwrap()).collect();
-    let (genomes, edge) = (arguments[0] as u64, arguments[1]);
-    let thickness = arguments.get(2).copied().unwrap_or(1.6);
-    let meshers = (TetGen::default(), Gmsh::new(Algorithm::Hxt), Gmsh::new(Algorithm::Delaunay));
-    let meshers: [&dyn pneumorph::mesh::tetrahedra::TetMesher; 3] =
-        [&meshers.0, &meshers.1, &meshers.2];
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (genomes, edge): (u64, f64) =
+        (arguments[0].parse().unwrap(), arguments[1].parse().unwrap());
+    let (tetgen, hxt, delaunay) =
+        (TetGen::default(), Gmsh::new(Algorithm::Hxt), Gmsh::new(Algorithm::Delaunay));
+    let meshers: &[&dyn TetMesher] = match arguments.get(2).map(String::as_str) {
+        None => &[&tetgen, &hxt, &delaunay],
+        Some("tetgen") => &[&tetgen],
+        Some(_) => &[&hxt, &delaunay],
+    };
     let (stream, bounds) = (Stream::new(1), Bounds::default());
     let mut endings: BTreeMap<String, usize> = BTreeMap::new();
     let mut seconds = Vec::new();
@@ -36,9 +43,9 @@ fn main() {
         let Ok(middle) = surface_of_field(&field, &settings) else { continue };
         let start = Instant::now();
         let surfaces = |edge| {
-            wall_surfaces(&middle, thickness, &WallSettings { edge, ..WallSettings::default() })
+            wall_surfaces(&middle, THICKNESS, &WallSettings { edge, ..WallSettings::default() })
         };
-        let filled = filled_wall(&surfaces, &meshers, &TetSettings::for_wall(thickness, edge));
+        let filled = filled_wall(&surfaces, meshers, &TetSettings::for_wall(THICKNESS, edge));
         seconds.push(start.elapsed().as_secs_f64());
         let (ending, attempts, words) = match filled {
             Ok(filled) => {
