@@ -185,7 +185,15 @@ impl PartFiles for OnDisk {
 
     fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
         let is_vtu = path.extension().is_some_and(|extension| extension == "vtu");
-        Ok(if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? })
+        let mesh = if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? };
+        let overlapping = mesh.overlapping_faces();
+        if overlapping > 0 {
+            warn(&format!(
+                "{}: the tetrahedra overlap at {overlapping} faces; each counts in full",
+                path.display()
+            ));
+        }
+        Ok(mesh)
     }
 }
 
