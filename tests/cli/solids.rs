@@ -24,11 +24,10 @@ steps = 2
 backend = "native"
 "#;
 
-/// Coarse cells; their chords alone make them a few percent stiffer.
+/// Coarse cells, about a tenth too stiff.
 const SOLID: &str = "
 [solid]
-edge = 4.0
-layers = 1
+edge = 3.0
 ";
 
 fn tip(workshop: &Workshop, summary: &str) -> [f64; 3] {
@@ -40,7 +39,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Shell and solid are independent theories of one wall: they agree within the coarse cells' error, some 10 %. The wall that was
+/// Shell and solid are independent theories of one wall: they agree within the coarse cells' error, some 7 % (1.6 % at edges of 2 mm). The wall that was
 /// written is read back as a part of its own and moves as it did, to the digits of the file.
 #[test]
 fn solid_moves_like_its_shell_and_like_its_file() {
@@ -76,12 +75,12 @@ measure = \"volume-growth\"
 
 const RUN: &str = "
 [evolution]
-population = 6
-generations = 2
+population = 4
+generations = 1
 seed = 3
 
 [mesh]
-edge = 5.0
+edge = 4.0
 
 [load]
 pressure = 0.05
@@ -94,7 +93,7 @@ steps = 1
 #[test]
 fn search_walks_its_front_as_solids() {
     let workshop = Workshop::new();
-    workshop.write("run.toml", format!("{RUN}\n[solid]\nedge = 5.0\nlayers = 1\n"));
+    workshop.write("run.toml", format!("{RUN}\n[solid]\nedge = 4.0\nlayers = 1\n"));
     let said = workshop.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "2"]);
     assert!(said.contains("designs of the front"), "{said}");
     let rows = workshop.read("out/solid/certificates.csv");
@@ -112,7 +111,7 @@ fn search_walks_its_front_as_solids() {
 #[test]
 fn certificates_name_both_answers() {
     let workshop = Workshop::new();
-    workshop.write("run.toml", format!("{RUN}\n[solid]\nedge = 5.0\nlayers = 1\ncoarser = 1.2\n"));
+    workshop.write("run.toml", format!("{RUN}\n[solid]\nedge = 3.0\ncoarser = 1.3\n"));
     workshop.succeed(&["certify", "run.toml", "network.toml", "--out", "out"]);
     let sheet = workshop.json("out/network/certificate.json");
     let angle = sheet["certificate"]["angle"].as_f64().unwrap();
