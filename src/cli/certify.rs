@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! certificates.csv        one row for each design
-//! <design>/  genome.toml  surface.stl  wall.msh  path.csv  path_blocked.csv  path_solid.csv  path_solid_blocked.csv  certificate.json
+//! <design>/  row.json  genome.toml  surface.stl  wall.msh  path.csv  path_blocked.csv  path_solid.csv  path_solid_blocked.csv  certificate.json
 //! ```
 
 use std::path::{Path, PathBuf};
@@ -167,6 +167,8 @@ fn drawn(
 }
 
 /// Certifies `designs`, writes each into a folder of its own under `folder`, and returns their rows in order.
+///
+/// A design whose row is there already is not walked again.
 pub(super) fn certified(
     designs: &[Design],
     settings: &CandidateSettings,
@@ -176,7 +178,17 @@ pub(super) fn certified(
 ) -> anyhow::Result<Vec<Row>> {
     let outcomes = executor.evaluate(
         designs,
-        &|design: &Design| certify_design(design, settings, section, &folder.join(&design.name)),
+        &|design: &Design| {
+            let folder = folder.join(&design.name);
+            let finished = folder.join(ROW);
+            if let Ok(text) = std::fs::read(&finished) {
+                return serde_json::from_slice(&text)
+                    .with_context(|| finished.display().to_string());
+            }
+            let row = certify_design(design, settings, section, &folder)?;
+            write_json(&finished, &row)?;
+            Ok(row)
+        },
         &mut |_, _| Next::Continue,
     )?;
     outcomes.into_iter().map(|outcome| outcome?).collect()
@@ -266,6 +278,8 @@ pub(super) fn certify(
     Ok(Ok(Certified { part, evaluation, scenarios: solid, certificate, coarser }))
 }
 
+/// The row of a finished design, in its folder.
+const ROW: &str = "row.json";
 /// Genomes drawn for each design that is wanted; more than half of them make one.
 const DRAWS_FOR_EACH: usize = 8;
 

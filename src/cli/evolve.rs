@@ -225,13 +225,11 @@ impl Search {
         Ok(())
     }
 
-    /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`.
+    /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`. What a killed run has walked is taken
+    /// from there.
     fn certify_front(&self, section: &SolidSection, executor: &Threads) -> anyhow::Result<()> {
         let front: Vec<_> = self.nsga2.front().iter().map(|individual| individual.id).collect();
         let folder = self.folder.file("solid");
-        if folder.exists() {
-            std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        }
         say(&format!("walking the front of {} designs as solids", front.len()));
         let solid =
             SolidFront::new(&front, &self.records, &self.settings, section, &folder, executor)?;

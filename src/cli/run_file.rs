@@ -118,11 +118,23 @@ impl RunFile {
     }
 }
 
+/// A section has no default to print where it is left out.
+const SOLID_EXAMPLE: &str = "
+# The front again as solids, when the search is over, and what that may promote.
+# [solid]
+# edge = 2.0  # mm, on the wall's faces
+# coarser = 1.5  # and with edges so many times longer, by which the first is judged
+# [solid.fidelity]
+# trust = 0.1  # the largest deviation at which the shell is trusted
+# check = 0.25
+";
+
 /// A run file with every default, as TOML.
 pub(super) fn defaults() -> String {
     let bounds = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper]));
     let run = RunFile { genes: bounds.collect(), ..RunFile::default() };
-    toml::to_string(&run).expect("the defaults are plain numbers and words")
+    let defaults = toml::to_string(&run).expect("the defaults are plain numbers and words");
+    defaults + SOLID_EXAMPLE
 }
 
 pub(super) fn check_solver(backend: Backend) -> anyhow::Result<()> {
