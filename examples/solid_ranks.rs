@@ -7,6 +7,8 @@
 //! The floor of the box is twice as thick as the other walls, so it bends. Printed by the first rank: unknowns, and of each load the
 //! Newton steps, iterations of linear solutions and seconds; then the tip, and the largest memory of any rank.
 
+#![allow(clippy::print_stdout, reason = "it is a program that prints a table")]
+
 use std::collections::BTreeMap;
 use std::time::Instant;
 
