@@ -130,11 +130,20 @@ fn check_silence(path: &str, room: &str, code: &str, broken: &mut Vec<String>) {
     if matches!(room, "report" | "io" | "cli") {
         return;
     }
-    for word in ["println!", "eprintln!", "print!", "eprint!", "dbg!", "std::fs", "fs::"] {
+    for word in [
+        "println!",
+        "eprintln!",
+        "print!",
+        "eprint!",
+        "dbg!",
+        "std::fs",
+        "fs::",
+        "process::Command",
+    ] {
         for at in word_positions(code, word) {
             let line = line_of(code, at);
             broken.push(format!(
-                "{path}:{line}: `{word}` in room `{room}`: only io, report and cli print, read or write"
+                "{path}:{line}: `{word}` in room `{room}`: only io, report and cli print, read, write or run"
             ));
         }
     }
@@ -379,6 +388,7 @@ fn a_room_that_prints_or_opens_files_is_reported() {
     assert_broken("src/math/a.rs", "fn f() { eprintln!(); }", "`eprintln!`");
     assert_broken("src/batch/a.rs", "use std::fs;", "`std::fs`");
     assert_broken("src/batch/a.rs", "use std::{fs, io};\nfn f() { fs::write(); }", ":2: `fs::`");
+    assert_broken("src/mesh/a.rs", "use std::process::Command;", "`process::Command`");
     assert_kept("src/report/a.rs", "use std::fs;");
     assert_kept("src/cli/a.rs", "fn f() { println!(); }");
 }

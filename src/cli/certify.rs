@@ -237,9 +237,8 @@ pub(super) fn certify(
     settings: &CandidateSettings,
     section: &SolidSection,
 ) -> anyhow::Result<Result<Certified, Rejected>> {
-    let middle = scenarios.model.rest_surface();
     let walked = |section: &SolidSection| -> anyhow::Result<Result<_, Rejected>> {
-        let part = match SolidPart::new(&middle, shell.thickness, section)? {
+        let part = match SolidPart::new(&scenarios.model, shell.thickness, section)? {
             Ok(part) => part,
             Err(rejected) => return Ok(Err(rejected)),
         };

@@ -9,7 +9,7 @@ use crate::fitness::Observation;
 use crate::io::vtu::{Picture, Values, write_series};
 use crate::io::{OutputError, atomic, csv, stl};
 use crate::math::Vec3;
-use crate::mesh::ShellMesh;
+use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::PartModel;
 use crate::solve::PathPoint;
 use crate::surface::TriangleMesh;
@@ -50,6 +50,27 @@ pub(super) fn write_pictures(
             triangles: surface.triangles.clone(),
         };
         Picture::new(&deformed)
+            .with_point_data("displacement_mm", Values::Vectors(&displacement))
+            .write(&folder.join(&file))?;
+        frames.push((point.load, file));
+    }
+    write_series(&folder.join(format!("{name}.pvd")), &frames)
+}
+
+/// Writes `<name>.pvd` with one deformed solid for each of `points`.
+pub(super) fn write_solid_pictures(
+    folder: &Path,
+    name: &str,
+    mesh: &SolidMesh,
+    points: &[PathPoint],
+) -> Result<(), OutputError> {
+    let mut frames = Vec::with_capacity(points.len());
+    for (step, point) in points.iter().enumerate() {
+        let file = format!("{name}_{step:03}.vtu");
+        let places = &point.x[..3 * mesh.positions.len()];
+        let displacement: Vec<Vec3> = places.as_chunks().0.iter().map(|&u| Vec3::from(u)).collect();
+        let positions = displaced(&mesh.positions, &displacement);
+        Picture::of_solid(&SolidMesh { positions, ..mesh.clone() })
             .with_point_data("displacement_mm", Values::Vectors(&displacement))
             .write(&folder.join(&file))?;
         frames.push((point.load, file));

@@ -113,7 +113,7 @@ enum Command {
     },
     /// Walk designs as shells and as solids, and tell how far they agree.
     Certify {
-        /// The run file, with a [solid] section or its defaults.
+        /// The run file, with a `solid` section or its defaults.
         run: PathBuf,
         /// Network files.
         networks: Vec<PathBuf>,

@@ -21,7 +21,7 @@ pub(super) struct Part {
     /// An STL file of a closed mid-surface, mm, z along the part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stl: Option<PathBuf>,
-    /// A Gmsh file of the wall in tetrahedra, mm, z along the part, clamped at its base.
+    /// A Gmsh file (`.msh`) or VTK grid (`.vtu`) of the wall in tetrahedra, mm, z along the part, clamped at its base.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tetrahedra: Option<PathBuf>,
     /// An open surface given by formulas.
@@ -59,7 +59,7 @@ pub(super) trait PartFiles {
     fn network(&self, path: &Path) -> anyhow::Result<Network>;
     /// The triangles of the STL file at `path`, mm.
     fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh>;
-    /// The tetrahedra of the Gmsh file at `path`, mm.
+    /// The tetrahedra of the file at `path` (`.msh` or `.vtu`), mm.
     fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh>;
 }
 

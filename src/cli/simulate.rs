@@ -8,7 +8,9 @@ use serde::Serialize;
 
 use super::closed_part::shell;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
-use super::design_folder::{write_json, write_path, write_surface, write_watches};
+use super::design_folder::{
+    write_json, write_path, write_solid_pictures, write_surface, write_watches,
+};
 use super::material::instability;
 use super::part::PartFiles;
 use super::provenance::Provenance;
@@ -19,7 +21,7 @@ use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, msh, stl, toml_file};
+use crate::io::{OutputFolder, atomic, msh, stl, toml_file, vtu_solid};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::system::System;
@@ -91,9 +93,7 @@ pub(super) fn run(
     }
     let solid = match &scene.solid {
         None => None,
-        Some(section) => {
-            Some(SolidPart::new(&model.rest_surface(), mesh.thickness, section)?.map_err(failed)?)
-        }
+        Some(section) => Some(SolidPart::new(&model, mesh.thickness, section)?.map_err(failed)?),
     };
     if let Some(solid) = &solid {
         model = solid.model(&mesh, &material, &planes).map_err(failed)?;
@@ -138,6 +138,7 @@ pub(super) fn run(
     write_surface(folder.path(), &mesh)?;
     if let Some(solid) = &solid {
         msh::write(&folder.file("wall.msh"), &solid.mesh)?;
+        write_solid_pictures(folder.path(), "solid", &solid.mesh, &walked.points)?;
     }
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
     write_contact(folder.path(), &model, &walked.points)?;
@@ -183,7 +184,16 @@ impl PartFiles for OnDisk {
     }
 
     fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
-        Ok(msh::read(path)?)
+        let is_vtu = path.extension().is_some_and(|extension| extension == "vtu");
+        let mesh = if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? };
+        let overlapping = mesh.overlapping_faces();
+        if overlapping > 0 {
+            warn(&format!(
+                "{}: the tetrahedra overlap at {overlapping} faces; each counts in full",
+                path.display()
+            ));
+        }
+        Ok(mesh)
     }
 }
 

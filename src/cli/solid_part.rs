@@ -16,7 +16,7 @@ use crate::mesh::{ShellMesh, SolidMesh, WallSettings, wall_surfaces};
 use crate::model::PartModel;
 use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
-use crate::surface::TriangleMesh;
+use crate::surface::SignedDistance;
 
 /// How a wall becomes tetrahedra, and what its answers say of the shell's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,6 +57,8 @@ pub(super) enum MesherName {
     Gmsh,
 }
 
+/// Facets of the middle, in thicknesses: their corners show in neither face.
+const FACET: f64 = 0.3;
 /// More is a thick body, not a wall.
 const MOST_LAYERS: usize = 16;
 
@@ -101,6 +103,8 @@ pub(super) struct SolidReport {
     pub mesher: String,
     /// Edge length on the faces, mm.
     pub edge: f64,
+    /// Edges that follow the curved faces.
+    pub curved: usize,
     pub quality: TetQuality,
     pub attempts: Vec<AttemptReport>,
 }
@@ -125,12 +129,12 @@ impl From<Attempt> for AttemptReport {
 }
 
 impl SolidPart {
-    /// The wall of `thickness` (mm) around `middle`.
+    /// The wall of `thickness` (mm) around the middle of a `shell`.
     ///
     /// # Errors
     /// When a mesher cannot be run. A wall that cannot be meshed is the inner [`Rejected`].
     pub(super) fn new(
-        middle: &TriangleMesh,
+        shell: &PartModel,
         thickness: f64,
         section: &SolidSection,
     ) -> anyhow::Result<Result<Self, Rejected>> {
@@ -141,14 +145,18 @@ impl SolidPart {
             Some(MesherName::Tetgen) => &[&tetgen],
             Some(MesherName::Gmsh) => &[&hxt, &delaunay],
         };
+        let middle = shell.rest_surface(FACET * thickness);
         let surfaces = |edge: f64| {
-            wall_surfaces(middle, thickness, &WallSettings { edge, ..WallSettings::default() })
+            wall_surfaces(&middle, thickness, &WallSettings { edge, ..WallSettings::default() })
         };
         match filled_wall(&surfaces, meshers, &section.settings(thickness)) {
             Ok(Filled { mesh, quality, mesher, edge, attempts }) => {
                 let attempts = attempts.into_iter().map(AttemptReport::from).collect();
-                let report = SolidReport { mesher, edge, quality, attempts };
-                Ok(Ok(Self { mesh: SolidMesh::straight(&mesh), report }))
+                let mut mesh = SolidMesh::straight(&mesh);
+                let distance = SignedDistance::new(&middle)?;
+                let curved = mesh.curve(&distance, thickness);
+                let report = SolidReport { mesher, edge, curved, quality, attempts };
+                Ok(Ok(Self { mesh, report }))
             }
             Err(Unfilled::Rejected { rejected, .. }) => Ok(Err(rejected)),
             Err(Unfilled::Machine(what)) => Err(anyhow!(what)),

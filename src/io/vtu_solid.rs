@@ -353,7 +353,7 @@ mod tests {
     fn file(
         attributes: &str,
         form: &str,
-        data: &dyn Fn(&[u8], &str) -> (String, String),
+        data: impl Fn(&[u8], &str) -> (String, String),
         tail: &str,
     ) -> String {
         let elements = arrays().map(|(name, kind, bytes, text)| {
@@ -372,20 +372,20 @@ mod tests {
     #[test]
     fn all_forms_hold_the_same_tetrahedron() {
         let none = String::new;
-        let text = file("", "ascii", &|_, text| (none(), format!("\n{text}\n")), "");
+        let text = file("", "ascii", |_, text| (none(), format!("\n{text}\n")), "");
         let expected = read_text(&text).unwrap();
         assert_eq!((expected.corners, expected.positions.len(), expected.outer.len()), (4, 10, 4));
         assert_eq!(expected.positions[1], Vec3::x());
-        let base64 = file("", "binary", &|bytes, _| (none(), format!("\n{}\n", plain(bytes))), "");
+        let base64 = file("", "binary", |bytes, _| (none(), format!("\n{}\n", plain(bytes))), "");
         let zlib = " compressor=\"vtkZLibDataCompressor\"";
-        let packed = file(zlib, "binary", &|bytes, _| (none(), compressed(bytes)), "");
+        let packed = file(zlib, "binary", |bytes, _| (none(), compressed(bytes)), "");
         let encoded = std::cell::RefCell::new(String::new());
         let append = |bytes: &[u8], _: &str| {
             let offset = format!(" offset=\"{}\"", encoded.borrow().len());
             *encoded.borrow_mut() += &compressed(bytes);
             (offset, none())
         };
-        let without_tail = file(zlib, "appended", &append, "@");
+        let without_tail = file(zlib, "appended", append, "@");
         let tail =
             format!("<AppendedData encoding=\"base64\">\n_{}\n</AppendedData>", encoded.borrow());
         let appended = without_tail.replace('@', &tail);
@@ -396,7 +396,7 @@ mod tests {
 
     #[test]
     fn what_is_no_wall_is_told_in_one_line() {
-        let text = file("", "ascii", &|_, text| (String::new(), text.to_owned()), "");
+        let text = file("", "ascii", |_, text| (String::new(), text.to_owned()), "");
         let what = |text: &str| read_text(text).unwrap_err();
         assert!(what("solid part").starts_with("not a .vtu file: "));
         let no_grid = "not a .vtu file: it is no VTKFile of the type UnstructuredGrid";

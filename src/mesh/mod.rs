@@ -1,6 +1,8 @@
 //! Which cells carry the computation? The shell mesh: control points, stencils, clamp and tip. The solid mesh: tetrahedra.
 
+mod curved;
 mod from_field;
+mod layers;
 mod locate;
 mod patch;
 mod rings;
@@ -10,9 +12,12 @@ pub mod tetrahedra;
 mod wall;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
+pub use layers::unit_lattice;
 pub use locate::Location;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
-pub use solid::{FACE_EDGES, SolidMesh, TET_EDGES, TetMesh, WallSurfaces};
+pub use solid::{
+    FACE_EDGES, SolidMesh, TET_EDGES, TetMesh, WallSurfaces, quadratic_shapes, quadratic_slopes,
+};
 pub use wall::{WallSettings, wall_surfaces};

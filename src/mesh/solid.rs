@@ -52,6 +52,32 @@ pub const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], 
 /// The corners between which each edge midpoint of a face lies.
 pub const FACE_EDGES: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
+/// Values of the shape functions of a quadratic tetrahedron at the barycentric coordinates `l`: `l (2 l - 1)` of corners, `4 l_a l_b` of
+/// edge midpoints.
+#[must_use]
+pub fn quadratic_shapes(l: &[f64; 4]) -> [f64; 10] {
+    std::array::from_fn(|k| match k.checked_sub(4) {
+        None => l[k] * (2.0 * l[k] - 1.0),
+        Some(edge) => {
+            let [a, b] = TET_EDGES[edge];
+            4.0 * l[a] * l[b]
+        }
+    })
+}
+
+/// Their slopes with respect to the last three barycentric coordinates.
+#[must_use]
+pub fn quadratic_slopes(l: &[f64; 4]) -> [Vec3; 10] {
+    let rates = [Vec3::repeat(-1.0), Vec3::x(), Vec3::y(), Vec3::z()];
+    std::array::from_fn(|k| match k.checked_sub(4) {
+        None => (4.0 * l[k] - 1.0) * rates[k],
+        Some(edge) => {
+            let [a, b] = TET_EDGES[edge];
+            4.0 * (l[a] * rates[b] + l[b] * rates[a])
+        }
+    })
+}
+
 impl SolidMesh {
     /// The quadratic tetrahedra with the same straight edges.
     ///

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::WallSurfaces;
 use super::from_field::{GRID_SHARE, REMESH_ITERATIONS};
 use crate::field::{GridSamples, ScalarField};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Rejected, Room};
 use crate::surface::{
     Filleted, Grading, Offset, RemeshSettings, SignedDistance, TriangleMesh,
     interpolated_isosurface, intersecting_pairs, remesh_graded,
@@ -41,7 +41,13 @@ impl Default for WallSettings {
 /// The faces of the wall of `thickness` (mm) around `mid`, a closed surface: closed, without self-intersections, apart.
 ///
 /// Pieces of the chamber, and pockets outside that the wall encloses, become solid when they are smaller than 1 % of the
-/// volume: air does not reach them, and no printer could clear them.
+/// volume: air does not reach them, and no printer could clear them. Neither do passages connect that a fillet fills.
+///
+/// # Decisions
+/// Of 300 random valid designs (`examples/walls.rs`, 150 of seed 1 and 150 of seed 2), 296 succeed, 34 of them with
+/// fillets; the median takes 0.4 s, the slowest 5 s. One triangle in 4700 has an angle below 30 degrees. Edges of one length
+/// cut off the ridges of sharp folds, whose radius is half the wall, and broke 6 walls of 31; shorter ones there cost a tenth
+/// to a fifth more triangles. The volume is 0.6 % above Steiner's, the chords of the chamber's side.
 ///
 /// # Errors
 /// [`Rejected`] with the reason `defective_surface` or `self_intersecting` when `mid` has no inside; `chamber_closed` when it is nowhere
@@ -86,39 +92,50 @@ struct Face<'a> {
 }
 
 impl Face<'_> {
+    /// The level itself; where triangles cannot follow it, with fillets, then with shorter edges too, then with larger fillets.
     fn surface(&self) -> Result<TriangleMesh, Rejected> {
-        let level = self.level(self.offset);
-        let plain = self.meshed(&level, GRID_SHARE * self.edge);
+        let plain = self.meshed(&self.level(self.offset), self.edge);
         match plain {
-            Err(rejection) if rejection.reason != "chamber_closed" => self.filleted_surface(level),
-            plain => plain,
+            Err(rejection) if rejection.reason != "chamber_closed" => {}
+            plain => return plain,
         }
+        let core = self.core(self.fillet)?;
+        let filleted = self.filleted(&core, self.fillet);
+        self.meshed(&filleted, self.edge)
+            .or_else(|_| self.meshed(&filleted, FINER * self.edge))
+            .or_else(|rejection| {
+                let radius = LARGER * self.fillet;
+                let core = self.core(radius).map_err(|_| rejection.clone())?;
+                self.meshed(&self.filleted(&core, radius), self.edge).map_err(|_| rejection)
+            })
     }
 
-    fn filleted_surface(&self, level: Offset) -> Result<TriangleMesh, Rejected> {
-        let step = CORE_STEP * self.fillet;
-        let beyond = self.offset + self.fillet.copysign(self.offset);
-        let core = self.main_piece(&self.level(beyond), beyond, step)?;
-        let core = SignedDistance::new(&core)?;
-        let chord_error = CHORD_ERROR * step;
-        let filleted = Filleted { offset: level, core: &core, radius: self.fillet, chord_error };
-        self.meshed(&filleted, GRID_SHARE * self.edge)
+    /// The distance to the level farther from the middle by `radius`.
+    fn core(&self, radius: f64) -> Result<SignedDistance, Rejected> {
+        let offset = self.offset + radius.copysign(self.offset);
+        let core = self.main_piece(&self.level(offset), offset, CORE_STEP * radius)?;
+        Ok(SignedDistance::new(&core)?)
+    }
+
+    fn filleted<'b>(&'b self, core: &'b SignedDistance, radius: f64) -> Filleted<'b> {
+        let chord_error = CHORD_ERROR * CORE_STEP * radius;
+        Filleted { offset: self.level(self.offset), core, radius, chord_error }
     }
 
     fn level(&self, offset: f64) -> Offset<'_> {
         Offset { distance: self.distance, offset, band: 2.0 * self.edge }
     }
 
-    fn meshed(&self, field: &dyn ScalarField, step: f64) -> Result<TriangleMesh, Rejected> {
-        let coarse = self.main_piece(field, self.offset, step)?;
-        let settings = RemeshSettings { edge: self.edge, iterations: REMESH_ITERATIONS };
-        let named =
-            |r: Rejected| Rejected { detail: format!("{}: {}", self.name(), r.detail), ..r };
+    fn meshed(&self, field: &dyn ScalarField, edge: f64) -> Result<TriangleMesh, Rejected> {
+        let coarse = self.main_piece(field, self.offset, GRID_SHARE * edge)?;
+        let settings = RemeshSettings { edge, iterations: REMESH_ITERATIONS };
         let grading = Grading {
-            shortest: SHORTEST * self.edge,
+            shortest: SHORTEST * edge,
             chord_error: CHORD_SHARE * self.offset.abs(),
             side: self.offset.signum(),
         };
+        let named =
+            |r: Rejected| Rejected { detail: format!("{}: {}", self.name(), r.detail), ..r };
         remesh_graded(&coarse, field, &settings, &grading).map_err(named)
     }
 
@@ -142,15 +159,18 @@ impl Face<'_> {
             return Err(self.closed(offset));
         };
         let lesser = volumes.iter().map(|v| v.abs()).sum::<f64>() - volumes[main];
-        let share = lesser / volumes[main];
+        let share = lesser / (lesser + volumes[main]);
         if share > MOST_CUT_OFF {
-            let count = volumes.len() - 1;
-            let share_of = format!("{count} of {:.1} % of the volume", 100.0 * share);
-            return Err(if self.offset > 0.0 {
-                rejected("enclosed_pocket", format!("pockets outside: {share_of}"), share)
-            } else {
-                rejected("chamber_divided", format!("pieces cut off: {share_of}"), share)
-            });
+            let outside = self.offset > 0.0;
+            let reason = if outside { "enclosed_pocket" } else { "chamber_divided" };
+            let detail = format!(
+                "passages narrower than {:.1} mm cut off {} pieces of the {}, {:.1} % of the volume",
+                2.0 * (offset - self.offset).abs(),
+                volumes.len() - 1,
+                self.name(),
+                100.0 * share
+            );
+            return Err(rejected(reason, detail, share));
         }
         Ok(pieces.component(main as u32))
     }
@@ -209,8 +229,11 @@ fn rejected(reason: &str, detail: String, violation: f64) -> Rejected {
     Rejected::new(Room::Mesh, reason, detail, violation)
 }
 
+/// The second trials' edge and fillet, over those wanted.
+const FINER: f64 = 0.7;
+const LARGER: f64 = 2.0;
 /// Lattice step of a fillet's core, in radii: what the lattice misses of a gap, the ball closes.
-const CORE_STEP: f64 = 1.5;
+const CORE_STEP: f64 = 2.0;
 /// Of a core, in lattice steps: the sagitta of a step on a radius of 2.5 steps.
 const CHORD_ERROR: f64 = 0.05;
 /// Shortest edge wanted where a face bends, over the longest.
@@ -231,8 +254,9 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::math::Vec3;
+    use crate::surface::isosurface;
     use crate::surface::test_fields::Analytic;
-    use crate::surface::{SurfaceQuality, isosurface};
 
     fn settings(edge: f64) -> WallSettings {
         WallSettings { edge, ..WallSettings::default() }
@@ -275,28 +299,28 @@ mod tests {
         assert_relative_eq!(volume(&surfaces), steiner, epsilon = 0.1 * second);
     }
 
-    /// A bellows whose grooves are 1.2 mm wide: walls of 1.6 mm fill them, and the outside is a tube with shallow notches.
+    /// A bellows with folds of 1.8 mm: walls of 1.6 mm fill its grooves. The volume is counted on a grid as well.
     #[test]
     fn folds_that_overlap_merge() {
         let bellows = |p: Vec3| {
-            let rho = p.x.hypot(p.y) - 7.0 - 1.5 * (2.0 * PI * p.z / 2.4).cos().clamp(-0.7, 0.7);
-            rho.max(p.z.abs() - 9.0)
+            let rho = p.x.hypot(p.y) - 7.0 - 1.5 * (2.0 * PI * p.z / 1.8).cos().clamp(-0.7, 0.7);
+            rho.max(p.z.abs() - 4.8)
         };
-        let mid = level(bellows, 0.3);
+        let (mid, thickness) = (level(bellows, 0.4), 1.6);
         let distance = SignedDistance::new(&mid).unwrap();
-        let surfaces = wall_surfaces(&mid, 1.6, &settings(1.5)).unwrap();
+        let surfaces = wall_surfaces(&mid, thickness, &settings(1.5)).unwrap();
         assert!(intersecting_pairs(&surfaces.outer.joined(&surfaces.chamber)).is_empty());
-        let quality = SurfaceQuality::of(&surfaces.outer).unwrap();
-        assert_eq!(quality.genus, 0);
-        let crest = 7.0 + 1.5 * 0.7 + 0.8;
-        for p in surfaces.outer.positions.iter().filter(|p| p.z.abs() < 8.0) {
-            // Notches: circles of radius 0.8 mm around crests that are 1.2 mm wide and 1.2 mm apart meet 0.53 mm deep.
-            assert!(p.x.hypot(p.y) > crest - 0.6, "{p} is in a groove");
-        }
         for p in &surfaces.outer.positions {
             // A vertex may be left where it was when it is within 5 % of an edge.
             assert!(distance.value(*p) > 0.8 - 0.05 * 1.5, "{p} is inside the wall");
         }
+        let step = 0.4;
+        let samples = GridSamples::of(&distance, Vec3::new(-10.0, -10.0, -6.0), step, [51, 51, 31]);
+        let inside = samples.values.iter().filter(|d| d.abs() < 0.5 * thickness).count();
+        let counted = inside as f64 * step.powi(3);
+        // Fillets of 0.4 mm in the notches, and chords, are worth some percent; two walls for each fold, a tenth and more.
+        assert_relative_eq!(volume(&surfaces), counted, max_relative = 0.04);
+        assert!(volume(&surfaces) < 0.9 * mid.area() * thickness);
     }
 
     #[test]
@@ -306,7 +330,8 @@ mod tests {
         let rejected = |mid: &TriangleMesh, thickness, reason: &str, violation: f64| {
             let rejection = wall_surfaces(mid, thickness, &settings(1.5)).unwrap_err();
             assert_eq!(rejection.reason, reason, "{rejection}");
-            // The lattices of 1 mm lose up to 5 % of a small ball's radius.
+            // Gaps are judged where the middle of a ball of 0.4 mm can be: 1.2 mm from the mid-surface. The lattice of 0.6 mm loses
+            // up to 4 % of a small ball's radius.
             assert_relative_eq!(rejection.violation, violation, max_relative = 0.15);
         };
         rejected(&TriangleMesh::sphere(2.0, 3), 5.0, "chamber_closed", 1.0 - 2.0 / 2.5);
@@ -314,14 +339,14 @@ mod tests {
             let channel = tube(p, 0.6).max(p.x.abs() - 6.0);
             ball(p, -6.0, 4.0).min(ball(p, 6.0, 3.0)).min(channel)
         };
-        let share = (2.2_f64 / 3.2).powi(3);
-        rejected(&level(dumbbell, 0.3), 1.6, "chamber_divided", share);
+        let ratio = (1.8_f64 / 2.8).powi(3);
+        rejected(&level(dumbbell, 0.6), 1.6, "chamber_divided", ratio / (1.0 + ratio));
         let bottle = |p| {
             let channel = tube(p, 0.6).max(-p.x);
             ball(p, 0.0, 10.0).max(-ball(p, 0.0, 5.0).min(channel))
         };
-        let share = (4.2_f64 / 10.8).powi(3);
-        rejected(&level(bottle, 0.3), 1.6, "enclosed_pocket", share);
+        let ratio = (3.8_f64 / 11.2).powi(3);
+        rejected(&level(bottle, 0.6), 1.6, "enclosed_pocket", ratio / (1.0 + ratio));
         let balls = TriangleMesh::sphere(5.0, 3);
         let mut moved = balls.clone();
         moved.positions.iter_mut().for_each(|p| p.x += 7.0);

@@ -15,6 +15,7 @@ pub mod material;
 mod part_folds;
 mod part_model;
 mod patch_model;
+mod solid_loads;
 mod stretch_bound;
 pub mod system;
 #[cfg(test)]
@@ -27,4 +28,5 @@ pub use edge_support::{EdgeSupport, EdgeSupports};
 pub use load::{DeadLoad, FollowerForce};
 pub use part_model::{PartModel, Support};
 pub use patch_model::PatchLoads;
+pub use solid_loads::Cut;
 pub use stretch_bound::DEFAULT_STRETCH_BOUND;

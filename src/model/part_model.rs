@@ -16,7 +16,7 @@ use super::contact::self_contact::Folds;
 use super::contact::{Faces, PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
-use super::element::{ElementPoints, Sample, SampledSurface, ascending, quadratic_shapes};
+use super::element::{ElementPoints, Sample, SampledSurface, ascending};
 use super::load::{ChamberPressure, EdgeMoment, FollowerLoads};
 use super::local::Term;
 use super::material::Material;
@@ -26,7 +26,7 @@ use super::system::{
 };
 use super::tie::{Tied, Ties};
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{Location, ShellMesh, SolidMesh};
+use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
 use crate::surface::TriangleMesh;
 
 /// The energy of a loaded part over the displacements of its nodes.
@@ -208,6 +208,13 @@ impl PartModel {
         }
     }
 
+    /// Encloses another chamber, with stencils within those of elements.
+    pub(super) fn replace_chamber(&mut self, chamber: ChamberPressure) {
+        let chamber = Tied::new(chamber, &self.ties, &self.reference);
+        self.chamber_slots = self.assembler.slots(&chamber);
+        self.chamber = Some(chamber);
+    }
+
     /// Adds forces without a potential.
     pub(super) fn follow_with(&mut self, followers: FollowerLoads) {
         let term = Tied::new(followers, &self.ties, &self.reference);
@@ -246,11 +253,13 @@ impl PartModel {
         self.displaced(u)[if node < self.reference.len() { node } else { corner() }]
     }
 
-    /// The surface at rest that carries pressure and contact: of a Loop shell its limit surface, a facet for each quarter of a triangle.
+    /// The surface at rest that carries pressure and contact, in facets of about `edge` (mm): of a Loop shell its limit surface, of
+    /// quadratic pieces.
     #[must_use]
-    pub fn rest_surface(&self) -> TriangleMesh {
-        let SampledSurface { facets, .. } = &self.surface;
-        TriangleMesh { positions: self.surface.at(&self.reference), triangles: facets.clone() }
+    pub fn rest_surface(&self, edge: f64) -> TriangleMesh {
+        let coarse = self.surface.quadratic(&self.reference, 1);
+        let mean = (coarse.area() / (0.433 * coarse.triangles.len() as f64)).sqrt();
+        self.surface.quadratic(&self.reference, (mean / edge).ceil().max(2.0) as usize)
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.

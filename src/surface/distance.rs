@@ -21,8 +21,10 @@ use super::{HalfEdges, MeshDefect, TriangleMesh};
 pub struct SignedDistance {
     /// Boxes in depth-first order: the first child of a branch follows it.
     boxes: Vec<TreeBox>,
-    /// In the order of the leaves.
-    facets: Vec<Facet>,
+    /// Corners of the facets, in the order of the leaves.
+    corners: Vec<[Vec3; 3]>,
+    /// Normals of each facet's face, edges 01, 12, 20 and corners 0, 1, 2; not of unit length.
+    normals: Vec<[Vec3; 7]>,
     bounds: (Vec3, Vec3),
 }
 
@@ -45,11 +47,10 @@ enum Content {
 #[derive(Clone, Copy, Debug)]
 struct Facet {
     corners: [Vec3; 3],
-    /// Of the face, the edges 01, 12, 20 and the corners 0, 1, 2; not of unit length.
     normals: [Vec3; 7],
 }
 
-/// What the nearest point of a facet lies on: its place in [`Facet::normals`].
+/// What the nearest point of a facet lies on: the place of its normal.
 type Feature = usize;
 const FACE: Feature = 0;
 const EDGES: [Feature; 3] = [1, 2, 3];
@@ -60,7 +61,8 @@ const CORNERS: [Feature; 3] = [4, 5, 6];
 struct Nearest {
     squared_distance: f64,
     point: Vec3,
-    normal: Vec3,
+    facet: usize,
+    feature: Feature,
 }
 
 impl SignedDistance {
@@ -74,7 +76,9 @@ impl SignedDistance {
         let mut boxes = Vec::with_capacity(facets.len());
         grow(&mut facets, 0, &mut boxes);
         let bounds = (boxes[0].lower, boxes[0].upper);
-        Ok(Self { boxes, facets, bounds })
+        let (corners, normals) =
+            facets.into_iter().map(|facet| (facet.corners, facet.normals)).unzip();
+        Ok(Self { boxes, corners, normals, bounds })
     }
 
     /// The lower and upper corner of the box around the surface, mm.
@@ -85,10 +89,11 @@ impl SignedDistance {
 
     /// The distance at `point`, known to be at most `bound` in size, and its gradient.
     pub(super) fn within(&self, point: Vec3, bound: f64) -> (f64, Vec3) {
-        let Nearest { squared_distance, point: nearest, normal } = self.nearest(point, bound);
-        let away = point - nearest;
+        let nearest = self.nearest(point, bound);
+        let normal = self.normals[nearest.facet][nearest.feature];
+        let away = point - nearest.point;
         let sign = if away.dot(&normal) < 0.0 { -1.0 } else { 1.0 };
-        let distance = squared_distance.sqrt();
+        let distance = nearest.squared_distance.sqrt();
         let unit = if distance > ON_SURFACE { sign * away / distance } else { normal.normalize() };
         (sign * distance, unit)
     }
@@ -97,7 +102,7 @@ impl SignedDistance {
     fn nearest(&self, point: Vec3, bound: f64) -> Nearest {
         let start = (bound * (1.0 + SLACK) + SLACK).powi(2);
         let mut best =
-            Nearest { squared_distance: start, point: self.bounds.0, normal: Vec3::zeros() };
+            Nearest { squared_distance: start, point: self.bounds.0, facet: 0, feature: FACE };
         let mut open = Vec::with_capacity(DEEPEST);
         open.push((0, self.boxes[0].squared_distance(point)));
         while let Some((at, squared_distance)) = open.pop() {
@@ -106,12 +111,11 @@ impl SignedDistance {
             }
             match self.boxes[at].content {
                 Content::Leaf(first, end) => {
-                    for facet in &self.facets[first as usize..end as usize] {
-                        let (nearest, feature) = nearest_on_triangle(point, facet.corners);
+                    for facet in first as usize..end as usize {
+                        let (nearest, feature) = nearest_on_triangle(point, self.corners[facet]);
                         let squared_distance = (point - nearest).norm_squared();
                         if squared_distance < best.squared_distance {
-                            let normal = facet.normals[feature];
-                            best = Nearest { squared_distance, point: nearest, normal };
+                            best = Nearest { squared_distance, point: nearest, facet, feature };
                         }
                     }
                 }

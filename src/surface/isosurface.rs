@@ -392,6 +392,16 @@ mod tests {
     }
 
     #[test]
+    fn interpolated_vertices_of_a_distance_are_near_its_level() {
+        let field = sphere(10.0);
+        let mesh = interpolated_isosurface(&field, Vec3::repeat(-12.0), Vec3::repeat(12.0), 1.0);
+        assert_eq!(mesh.check_closed_manifold(), Ok(()));
+        let farthest = mesh.positions.iter().map(|&p| field.value(p).abs()).fold(0.0, f64::max);
+        // A distance bends by less than 1 / R across an edge of 1.05 mm: h^2 / 8 R; and 1 % of an edge at the nodes.
+        assert!(farthest < 1.05_f64.powi(2) / 80.0 + 0.0105, "{farthest}");
+    }
+
+    #[test]
     fn caps_are_flat_at_the_box() {
         let tube = Analytic(|p: Vec3| p.x.hypot(p.y) - 4.0);
         let (lower, upper) = (Vec3::new(-6.0, -6.0, 0.0), Vec3::new(6.0, 6.0, 20.0));

@@ -73,6 +73,16 @@ pub struct Filleted<'a> {
     pub chord_error: f64,
 }
 
+impl Filleted<'_> {
+    /// Whether the ball that touches the level straight below or above a point, `height` (mm) over it, has room: then there is no
+    /// fillet, whatever the core.
+    fn is_open(&self, point: Vec3, side: f64, height: f64, away: Vec3) -> bool {
+        let middle = point + (self.radius - height) * away;
+        let bound = self.offset.offset.abs() + self.radius;
+        side * self.offset.distance.within(middle, bound).0 > bound - self.chord_error
+    }
+}
+
 impl ScalarField for Filleted<'_> {
     fn value(&self, point: Vec3) -> f64 {
         self.value_and_gradient(point).0
@@ -84,8 +94,11 @@ impl ScalarField for Filleted<'_> {
         if plain.abs() >= self.offset.band {
             return (plain, gradient);
         }
-        let (distance, core_gradient) = self.core.value_and_gradient(point);
         let side = self.offset.offset.signum();
+        if self.is_open(point, side, side * plain, side * gradient) {
+            return (plain, gradient);
+        }
+        let (distance, core_gradient) = self.core.value_and_gradient(point);
         let fillet = distance + side * (self.radius + self.chord_error);
         if side * fillet < side * plain { (fillet, core_gradient) } else { (plain, gradient) }
     }
@@ -110,7 +123,7 @@ mod tests {
 
     /// Two balls of radius 3 mm whose middles are 8 mm apart.
     fn two_balls() -> SignedDistance {
-        let ball = TriangleMesh::sphere(3.0, 5);
+        let ball = TriangleMesh::sphere(3.0, 4);
         let moved = |x: f64| TriangleMesh {
             positions: ball.positions.iter().map(|p| p + Vec3::new(x, 0.0, 0.0)).collect(),
             triangles: ball.triangles.clone(),

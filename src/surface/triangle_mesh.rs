@@ -117,17 +117,15 @@ impl TriangleMesh {
             |(triangle, number): (&[u32; 3], u32)| (number == component).then_some(*triangle);
         let triangles: Vec<[u32; 3]> =
             self.triangles.iter().zip(self.components()).filter_map(of_component).collect();
-        let mut numbers = vec![None; self.positions.len()];
-        triangles.iter().flatten().for_each(|&v| numbers[v as usize] = Some(0));
+        let mut is_used = vec![false; self.positions.len()];
+        triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
         let mut positions = Vec::new();
-        for (number, &position) in numbers.iter_mut().zip(&self.positions) {
-            if number.is_some() {
-                *number = Some(positions.len() as u32);
-                positions.push(position);
-            }
-        }
-        let renumbered = |v: u32| numbers[v as usize].expect("a vertex of the component");
-        let triangles = triangles.into_iter().map(|t| t.map(renumbered)).collect();
+        let number = |(&position, &is_used): (&Vec3, &bool)| {
+            positions.extend(is_used.then_some(position));
+            (positions.len() as u32).saturating_sub(1)
+        };
+        let numbers: Vec<u32> = self.positions.iter().zip(&is_used).map(number).collect();
+        let triangles = triangles.into_iter().map(|t| t.map(|v| numbers[v as usize])).collect();
         Self { positions, triangles }
     }
 
@@ -225,6 +223,9 @@ mod tests {
             assert_relative_eq!(volume, 1.0 / 6.0, max_relative = 1e-13);
         }
         assert_eq!(pair.genus(), 0);
+        let second = pair.component(1);
+        assert_eq!(second.positions, far.positions);
+        assert_eq!(second.triangles, [2, 0, 1, 3].map(|t| far.triangles[t]));
     }
 
     #[test]

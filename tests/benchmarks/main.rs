@@ -10,5 +10,7 @@ mod locking;
 mod parts;
 mod rubber;
 mod self_contact;
+mod solid_problems;
+mod solids;
 mod stiff_shell;
 mod thick_wall;

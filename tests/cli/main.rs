@@ -4,6 +4,7 @@
 mod evolve;
 mod mesh_and_report;
 mod simulate;
+mod solids;
 mod verify;
 mod workshop;
 mod wrong_files;

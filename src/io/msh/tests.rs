@@ -123,6 +123,22 @@ fn the_chamber_is_found() {
     check(&straight(&read_text(&renumbered).unwrap()), &wall).unwrap();
 }
 
+/// A wall with a vertex of the chamber moved through the outside overlaps itself, and is read with that said.
+#[test]
+fn a_wall_that_overlaps_itself_is_read() {
+    let mut mesh = of_prisms(&spheres(10.0, 8.0, 1));
+    assert_eq!(SolidMesh::straight(&mesh).overlapping_faces(), 0);
+    mesh.positions[0] *= 1.3;
+    let solid = read_text(&text(&SolidMesh::straight(&mesh))).unwrap();
+    assert_eq!((solid.chamber.len(), solid.tetrahedra.len()), (80, 240));
+    assert!(solid.overlapping_faces() > 0);
+    assert!((0..240).all(|t| {
+        let [a, b, c, d] =
+            std::array::from_fn(|k| solid.positions[solid.tetrahedra[t][k] as usize]);
+        (b - a).dot(&(c - a).cross(&(d - a))) > 0.0
+    }));
+}
+
 #[test]
 fn what_is_no_wall_is_told_in_one_line() {
     let what = |text: &str| read_text(text).unwrap_err();
@@ -150,7 +166,7 @@ fn what_is_no_wall_is_told_in_one_line() {
     );
     assert_eq!(
         what(&tail("2\n1 2 2 2 1 10 20 30\n2 4 2 1 1 10 20 30 40")),
-        "the chamber is not closed: 3 edges have only one triangle: the surface has holes"
+        "the chamber is not closed: 3 of its edges have not two triangles"
     );
     assert_eq!(what(&tail("1\n1 4 2 1 1 10 20 30 30")), "1 tetrahedra have no volume");
     let cut: String = text(&curved()).chars().take(9000).collect();

@@ -2,7 +2,7 @@
 
 use super::TetDefect;
 use crate::math::Vec3;
-use crate::mesh::TetMesh;
+use crate::mesh::{SolidMesh, TetMesh};
 use crate::surface::TriangleMesh;
 
 /// A mesh whose vertices were numbered anew.
@@ -20,7 +20,8 @@ impl TetMesh {
     /// A face of the boundary is the chamber's when `is_chamber` says so of its former vertex numbers, in ascending order.
     ///
     /// # Errors
-    /// [`TetDefect`] when the tetrahedra are flat, name no vertex, or do not meet face to face.
+    /// [`TetDefect`] when the tetrahedra are flat, name no vertex, or share faces by more than two. Whether they overlap is
+    /// not looked at.
     pub fn of_tetrahedra(
         positions: &[Vec3],
         tetrahedra: &[[u32; 4]],
@@ -42,7 +43,7 @@ impl TetMesh {
             return Err(TetDefect::Flat { tetrahedra: flat });
         }
         let (chamber, outer): (Vec<_>, Vec<_>) =
-            boundary(&turned)?.into_iter().partition(|&face| is_chamber(sorted(face)));
+            boundary(&turned)?.faces.into_iter().partition(|&face| is_chamber(sorted(face)));
 
         let mut used = vec![false; positions.len()];
         turned.iter().flatten().for_each(|&v| used[v as usize] = true);
@@ -105,6 +106,19 @@ impl TetMesh {
     }
 }
 
+impl SolidMesh {
+    /// The number of faces with both their tetrahedra on one side: the mesh overlaps itself there, and each tetrahedron counts in full.
+    ///
+    /// # Panics
+    /// When a face belongs to more than two tetrahedra.
+    #[must_use]
+    pub fn overlapping_faces(&self) -> usize {
+        let corners: Vec<[u32; 4]> =
+            self.tetrahedra.iter().map(|nodes| [nodes[0], nodes[1], nodes[2], nodes[3]]).collect();
+        boundary(&corners).expect("a face has two tetrahedra at most").overlapping
+    }
+}
+
 /// The signed volume `(b - a) . (c - a) x (d - a) / 6` of a tetrahedron, mm^3.
 pub(super) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
     (b - a).dot(&(c - a).cross(&(d - a))) / 6.0
@@ -128,21 +142,29 @@ pub(super) fn faces([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 4] {
     [[b, c, d], [a, d, c], [a, b, d], [a, c, b]]
 }
 
-/// The faces of one tetrahedron only, with normals out of it, in ascending order of their sorted corners.
+/// Which faces tetrahedra of positive volume have alone.
+pub(super) struct Boundary {
+    /// The faces of one tetrahedron only, with normals out of it, in ascending order of their sorted corners.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// How many faces have two tetrahedra, but both on one side.
+    pub(super) overlapping: usize,
+}
+
+/// The boundary of `tetrahedra`.
 ///
 /// # Errors
-/// [`TetDefect`] unless all other faces have one tetrahedron on either side.
-pub(super) fn boundary(tetrahedra: &[[u32; 4]]) -> Result<Vec<[u32; 3]>, TetDefect> {
+/// [`TetDefect::CrowdedFaces`] when faces belong to more than two of them.
+pub(super) fn boundary(tetrahedra: &[[u32; 4]]) -> Result<Boundary, TetDefect> {
     let mut all: Vec<([u32; 3], [u32; 3])> = tetrahedra
         .iter()
         .flat_map(|&corners| faces(corners))
         .map(|face| (sorted(face), face))
         .collect();
     all.sort_unstable();
-    let (mut boundary, mut crowded, mut overlapping) = (Vec::new(), 0, 0);
+    let (mut alone, mut crowded, mut overlapping) = (Vec::new(), 0, 0);
     for same in all.chunk_by(|a, b| a.0 == b.0) {
         match same {
-            [(_, face)] => boundary.push(*face),
+            [(_, face)] => alone.push(*face),
             [(_, one), (_, other)] => overlapping += usize::from(is_even(*one) == is_even(*other)),
             _ => crowded += 1,
         }
@@ -150,10 +172,7 @@ pub(super) fn boundary(tetrahedra: &[[u32; 4]]) -> Result<Vec<[u32; 3]>, TetDefe
     if crowded > 0 {
         return Err(TetDefect::CrowdedFaces { faces: crowded });
     }
-    if overlapping > 0 {
-        return Err(TetDefect::Overlapping { faces: overlapping });
-    }
-    Ok(boundary)
+    Ok(Boundary { faces: alone, overlapping })
 }
 
 /// Whether `face` is an even permutation of its sorted corners.

@@ -4,7 +4,7 @@
 //! then each point of the wall lies in exactly one tetrahedron, unless the surfaces cross themselves or each other.
 
 use super::TetDefect;
-use super::boundary::{boundary, check_vertices, is_even, is_flat, sorted, volume};
+use super::boundary::{Boundary, boundary, check_vertices, is_even, is_flat, sorted, volume};
 use crate::mesh::{TetMesh, WallSurfaces};
 use crate::surface::TriangleMesh;
 
@@ -43,7 +43,11 @@ pub(super) fn check_by_itself(mesh: &TetMesh) -> Result<(), TetDefect> {
 
 fn check_listed(mesh: &TetMesh) -> Result<(), TetDefect> {
     let oriented = |face: [u32; 3]| (sorted(face), is_even(face));
-    let found: Vec<_> = boundary(&mesh.tetrahedra)?.into_iter().map(oriented).collect();
+    let Boundary { faces, overlapping } = boundary(&mesh.tetrahedra)?;
+    if overlapping > 0 {
+        return Err(TetDefect::Overlapping { faces: overlapping });
+    }
+    let found: Vec<_> = faces.into_iter().map(oriented).collect();
     let chamber = mesh.chamber.iter().map(|&[a, b, c]| oriented([a, c, b]));
     let mut listed: Vec<_> = mesh.outer.iter().copied().map(oriented).chain(chamber).collect();
     listed.sort_unstable();
@@ -136,6 +140,15 @@ mod tests {
             *mesh = mesh.clone().with_chamber_found();
         };
         assert!(matches!(found(&dent), TetDefect::Outer(_)));
+        // Its mirror image in one of its faces lies on top of the neighbour there.
+        let folded = |mesh: &mut TetMesh| {
+            let [apex, b, c, d] = mesh.corners(0);
+            let normal = (c - b).cross(&(d - b)).normalize();
+            mesh.positions.push(apex - 2.0 * normal.dot(&(apex - b)) * normal);
+            let [_, b, c, d] = mesh.tetrahedra[0];
+            mesh.tetrahedra[0] = [mesh.positions.len() as u32 - 1, c, b, d];
+        };
+        assert_eq!(found(&folded), TetDefect::Overlapping { faces: 1 });
         // A step as long as the wall is thick moves a vertex through the tetrahedra above it.
         let through = |mesh: &mut TetMesh| mesh.positions[0] *= 1.3;
         assert!(matches!(found(&through), TetDefect::Inverted { .. }));

@@ -1,7 +1,7 @@
 //! How is a wall filled with tetrahedra? By programs of others, of which one may fail: a ladder of attempts, each judged here.
 //!
 //! A mesher is a [`TetMesher`]: it may hang, crash or answer nonsense, and says so in a [`MesherFailure`]. What it answers is
-//! believed only after [`check`]. This room starts no process; `io` implements the trait.
+//! believed only after [`check()`]. This room starts no process; `io` implements the trait.
 
 mod boundary;
 mod check;

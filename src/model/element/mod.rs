@@ -20,4 +20,4 @@ pub use loop_shell::LoopShell;
 pub use mid_edge_shell::{MidEdgeShell, mid_edge_patches};
 pub(in crate::model) use points::ascending;
 pub use points::{ElementPoints, Sample, SampledSurface};
-pub use taylor_hood::{TaylorHood, quadratic_shapes};
+pub use taylor_hood::TaylorHood;

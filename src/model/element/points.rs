@@ -5,7 +5,8 @@ use std::rc::Rc;
 
 use super::loop_patch::LoopBasis;
 use crate::math::Vec3;
-use crate::mesh::Stencil;
+use crate::mesh::{FACE_EDGES, Stencil};
+use crate::surface::TriangleMesh;
 
 /// One point of the surface: its weights on the nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,9 +161,82 @@ impl SampledSurface {
         Self { samples: samples.collect(), facets, vertices }
     }
 
+    /// The surface where the nodes are at `positions`, finer than its facets: over each triangle the quadratic through its six points,
+    /// in `n x n` facets.
+    ///
+    /// # Panics
+    /// When `n` is 0.
+    #[must_use]
+    pub fn quadratic(&self, positions: &[Vec3], n: usize) -> TriangleMesh {
+        assert!(n > 0, "a triangle is at least one facet");
+        let samples = self.at(positions);
+        let mut fine = TriangleMesh { positions: Vec::new(), triangles: Vec::new() };
+        let mut known = BTreeMap::new();
+        for facets in self.facets.as_chunks::<4>().0 {
+            let [[p0, p5, p4], [p1, p3, _], [p2, ..], _] = *facets;
+            let corners = [p0, p1, p2];
+            let points = [p0, p1, p2, p3, p4, p5].map(|point| samples[point as usize]);
+            // A point is known by the corners about it and its share of each.
+            let mut vertex = |shares: [usize; 3]| {
+                let mut key: Vec<(u32, usize)> =
+                    corners.into_iter().zip(shares).filter(|(_, share)| *share > 0).collect();
+                key.sort_unstable();
+                *known.entry(key).or_insert_with(|| {
+                    let l = shares.map(|share| share as f64 / n as f64);
+                    let weights = [0, 1, 2].map(|k| l[k] * (2.0 * l[k] - 1.0));
+                    let middle = FACE_EDGES.map(|[a, b]| 4.0 * l[a] * l[b]);
+                    let weights = weights.into_iter().chain(middle);
+                    fine.positions.push(points.iter().zip(weights).map(|(x, w)| w * x).sum());
+                    fine.positions.len() as u32 - 1
+                })
+            };
+            for i in 0..n {
+                for j in 0..n - i {
+                    let k = n - i - j;
+                    let [a, b, c] =
+                        [[k, i, j], [k - 1, i + 1, j], [k - 1, i, j + 1]].map(&mut vertex);
+                    fine.triangles.push([a, b, c]);
+                    if k > 1 {
+                        fine.triangles.push([b, vertex([k - 2, i + 1, j + 1]), c]);
+                    }
+                }
+            }
+        }
+        fine
+    }
+
     /// The points where the nodes are at `positions`, mm.
     #[must_use]
     pub fn at(&self, positions: &[Vec3]) -> Vec<Vec3> {
         self.samples.iter().map(|sample| sample.point(positions)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use crate::model::test_shells::TestShell;
+
+    /// Halved triangles are the surface's own facets; finer ones stay closed, and their volumes converge with the square of the edge
+    /// to one limit.
+    #[test]
+    fn quadratic_surface_is_closed_and_converges() {
+        let shell = TestShell::new(1);
+        let surface = shell.surface();
+        let volume = |n: usize| {
+            let fine = surface.quadratic(&shell.reference, n);
+            assert_eq!(fine.check_closed_manifold(), Ok(()));
+            assert_eq!(fine.triangles.len(), n * n * shell.mesh.surface.triangles.len());
+            fine.volume()
+        };
+        let own = crate::surface::TriangleMesh {
+            positions: surface.at(&shell.reference),
+            triangles: surface.facets.clone(),
+        };
+        assert_relative_eq!(volume(2), own.volume(), max_relative = 1e-13);
+        let limits = [4, 8].map(|n| (4.0 * volume(2 * n) - volume(n)) / 3.0);
+        // Errors of fourth order: a volume is a polynomial, whose rest is (1/4)^4 of the whole at most.
+        assert_relative_eq!(limits[0], limits[1], max_relative = 1e-4);
     }
 }

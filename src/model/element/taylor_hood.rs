@@ -20,7 +20,7 @@
 use nalgebra::Matrix3;
 
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{SolidMesh, TET_EDGES};
+use crate::mesh::{SolidMesh, TET_EDGES, quadratic_slopes};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::SolidLaw;
 use crate::model::system::Inadmissible;
@@ -299,32 +299,12 @@ impl Rule {
         let edge = TET_EDGES.map(|edge| {
             (weight, std::array::from_fn(|i| if edge.contains(&i) { c } else { 0.5 - c }))
         });
-        vertex.chain(edge).map(|(weight, l)| Point { slopes: slopes(&l), corners: l, weight })
+        vertex.chain(edge).map(|(weight, l)| Point {
+            slopes: quadratic_slopes(&l),
+            corners: l,
+            weight,
+        })
     }
-}
-
-/// `dN/d(r, s, t)` at the barycentric coordinates `l`: `N = l (2 l - 1)` of corners, `4 l_a l_b` of edge midpoints.
-fn slopes(l: &[f64; CORNERS]) -> [Vec3; NODES] {
-    let rates = [Vec3::repeat(-1.0), Vec3::x(), Vec3::y(), Vec3::z()];
-    std::array::from_fn(|k| match k.checked_sub(CORNERS) {
-        None => (4.0 * l[k] - 1.0) * rates[k],
-        Some(edge) => {
-            let [a, b] = TET_EDGES[edge];
-            4.0 * (l[a] * rates[b] + l[b] * rates[a])
-        }
-    })
-}
-
-/// Values of the ten shape functions at the barycentric coordinates `l`.
-#[must_use]
-pub fn quadratic_shapes(l: &[f64; 4]) -> [f64; 10] {
-    std::array::from_fn(|k| match k.checked_sub(CORNERS) {
-        None => l[k] * (2.0 * l[k] - 1.0),
-        Some(edge) => {
-            let [a, b] = TET_EDGES[edge];
-            4.0 * l[a] * l[b]
-        }
-    })
 }
 
 #[cfg(test)]

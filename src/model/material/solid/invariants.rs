@@ -3,8 +3,10 @@
 //! ```text
 //! psi_iso = c_1 x + c_2 x^2 + c_3 x^3 + d y,    x = J^(-2/3) I1 - 3,    y = J^(-4/3) I2 - 3
 //! I1 = F : F,                    dI1 = 2 F,              d2I1 = 2 d_ik d_JL
-//! I2 = (I1^2 - C : C) / 2,       dI2 = 2 (I1 F - F C),   d2I2 = 2 (2 F_iJ F_kL - F_iL F_kJ + (I1 d_JL - C_JL) d_ik - B_ik d_JL)
-//! q  = J^m I:   dq = J^m (dI + m I G),   d2q = J^m (d2I + m (dI (x) G + G (x) dI) + m^2 I G (x) G - m I G_iL G_kJ)
+//! I2 = (I1^2 - C : C) / 2,       dI2 = 2 (I1 F - F C),
+//!      d2I2 = 2 (2 F_iJ F_kL - F_iL F_kJ + (I1 d_JL - C_JL) d_ik - B_ik d_JL)
+//! q  = J^m I:   dq = J^m (dI + m I G),
+//!      d2q = J^m (d2I + m (dI (x) G + G (x) dI) + m^2 I G (x) G - m I G_iL G_kJ)
 //! ```
 //!
 //! with `C = F^T F`, `B = F F^T`, `G = F^-T` and `m = -2/3` for `I1`, `-4/3` for `I2`.
@@ -12,7 +14,7 @@
 use nalgebra::Matrix3;
 
 use super::super::{MooneyRivlin, NeoHookean, Yeoh};
-use super::SolidResponse;
+use super::{LOWER, SolidResponse, mirror};
 
 /// The coefficients of the formula above, MPa.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,9 +96,7 @@ impl Polynomial {
                     factor * block
                 });
             }
-            for (j, l) in [(0, 1), (0, 2), (1, 2)] {
-                moduli[j][l] = moduli[l][j].transpose();
-            }
+            mirror(moduli);
         }
         response
     }
@@ -120,20 +120,14 @@ impl Moduli {
     /// Writes the blocks on and below the diagonal.
     #[inline]
     fn write(&self, g: &Matrix3<f64>, moduli: &mut [[Matrix3<f64>; 3]; 3]) {
-        for j in 0..3 {
-            for l in 0..=j {
-                let (gj, gl) = (g.column(j), g.column(l));
-                let (mj, ml) = (self.mixed.column(j), self.mixed.column(l));
-                let block = &mut moduli[j][l];
-                for k in 0..3 {
-                    for i in 0..3 {
-                        block[(i, k)] =
-                            mj[i] * gl[k] + gj[i] * ml[k] + self.crossed * (gl[i] * gj[k]);
-                    }
-                }
-                if j == l {
-                    *block += Matrix3::from_diagonal_element(self.identity);
-                }
+        for [j, l] in LOWER {
+            let (gj, gl) = (g.column(j), g.column(l));
+            let (mj, ml) = (self.mixed.column(j), self.mixed.column(l));
+            moduli[j][l] = Matrix3::from_fn(|i, k| {
+                mj[i] * gl[k] + gj[i] * ml[k] + self.crossed * (gl[i] * gj[k])
+            });
+            if j == l {
+                moduli[j][l] += Matrix3::from_diagonal_element(self.identity);
             }
         }
     }
@@ -142,10 +136,8 @@ impl Moduli {
 /// Adds to the blocks on and below the diagonal.
 #[inline]
 fn add(moduli: &mut [[Matrix3<f64>; 3]; 3], block: impl Fn(usize, usize) -> Matrix3<f64>) {
-    for j in 0..3 {
-        for l in 0..=j {
-            moduli[j][l] += block(j, l);
-        }
+    for [j, l] in LOWER {
+        moduli[j][l] += block(j, l);
     }
 }
 

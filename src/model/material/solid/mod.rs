@@ -114,3 +114,14 @@ impl Material {
         Some(SolidLaw::new(&rubber, bulk_modulus))
     }
 }
+
+/// The blocks of moduli on and below the diagonal.
+const LOWER: [[usize; 2]; 6] = [[0, 0], [1, 0], [1, 1], [2, 0], [2, 1], [2, 2]];
+
+/// Fills the blocks above the diagonal.
+#[inline]
+fn mirror(moduli: &mut [[Matrix3<f64>; 3]; 3]) {
+    for [j, l] in [[1, 0], [2, 0], [2, 1]] {
+        moduli[l][j] = moduli[j][l].transpose();
+    }
+}

@@ -20,7 +20,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::super::Ogden;
-use super::SolidResponse;
+use super::{LOWER, SolidResponse, mirror};
 
 /// The terms of Ogden's law.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,24 +138,19 @@ impl PrincipalModuli {
     /// In the layout of [`SolidResponse::moduli`], for principal directions `now` and at `rest` (columns).
     fn in_space(&self, now: &Matrix3<f64>, rest: &Matrix3<f64>) -> [[Matrix3<f64>; 3]; 3] {
         let mut moduli = [[Matrix3::zeros(); 3]; 3];
-        for j in 0..3 {
-            for l in 0..=j {
-                let weight = |a: usize, b: usize| rest[(j, a)] * rest[(l, b)];
-                let squares = self.across * Vector3::from_fn(|b, _| weight(b, b));
-                let principal = Matrix3::from_fn(|a, b| {
-                    if a == b {
-                        squares[a]
-                    } else {
-                        self.along[(a, b)] * weight(a, b) + self.swapped[(a, b)] * weight(b, a)
-                    }
-                });
-                let block = now * principal * now.transpose();
-                moduli[j][l] = block;
-                if l < j {
-                    moduli[l][j] = block.transpose();
+        for [j, l] in LOWER {
+            let weight = |a: usize, b: usize| rest[(j, a)] * rest[(l, b)];
+            let squares = self.across * Vector3::from_fn(|b, _| weight(b, b));
+            let principal = Matrix3::from_fn(|a, b| {
+                if a == b {
+                    squares[a]
+                } else {
+                    self.along[(a, b)] * weight(a, b) + self.swapped[(a, b)] * weight(b, a)
                 }
-            }
+            });
+            moduli[j][l] = now * principal * now.transpose();
         }
+        mirror(&mut moduli);
         moduli
     }
 }

@@ -261,24 +261,3 @@ fn plates_have_no_solid_law() {
     let plate = super::super::StVenantKirchhoff { young_modulus: 1.0, poisson_ratio: 0.3 };
     assert!(Material::StVenantKirchhoff(plate).solid().is_none());
 }
-
-/// Prints the cost of one response: `cargo test --release -- --ignored cost_of`.
-#[test]
-#[ignore = "a measurement"]
-fn cost_of_a_response() {
-    for (rubber, law) in laws() {
-        let fs: Vec<_> = STRETCHES.into_iter().flat_map(gradients).collect();
-        for with_moduli in [false, true] {
-            let start = std::time::Instant::now();
-            let mut sum = 0.0;
-            let rounds = 20_000;
-            for _ in 0..rounds {
-                for f in &fs {
-                    sum += law.response(std::hint::black_box(f), with_moduli).moduli[1][2][(0, 1)];
-                }
-            }
-            let each = start.elapsed().as_secs_f64() / (rounds * fs.len()) as f64;
-            eprintln!("{:.0} ns {with_moduli} {rubber:.20?} {sum}", 1e9 * each);
-        }
-    }
-}

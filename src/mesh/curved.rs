@@ -1,0 +1,236 @@
+//! Curved cells: edge midpoints on the faces of a wall, moved onto the true faces.
+//!
+//! ```text
+//! x <- x - (d(x) - d_face) grad d(x)        d: signed distance to the middle of the wall, d_face = -t/2 or t/2
+//! ```
+//!
+//! Flat facets cut corners: a wall between them bends about a tenth less than the smooth one where their edges are as long as it is
+//! thick. Where the faces have creases or fillets, edges stay straight; where a cell would become too distorted they go half the way, or
+//! half of that, or stay.
+
+use std::collections::BTreeSet;
+
+use super::{SolidMesh, quadratic_slopes};
+use crate::field::ScalarField;
+use crate::math::Vec3;
+use crate::surface::SignedDistance;
+
+/// How near the ends of an edge must lie to the face for its midpoint to be moved, and where it must arrive, in thicknesses.
+const ON_FACE: f64 = 0.05;
+/// The furthest that a midpoint may move, in edge lengths: an arc of a right angle has 0.2.
+const FURTHEST: f64 = 0.2;
+/// Steps to the face; a distance is linear along the way, so the second is a check.
+const STEPS: usize = 3;
+/// How often the way of a midpoint is halved before it is put back.
+const HALVINGS: usize = 3;
+/// The least that a cell may shrink locally, and the most that it may grow, against its straight one.
+const LEAST_VOLUME: f64 = 0.25;
+
+impl SolidMesh {
+    /// Moves the edge midpoints on the faces of a wall of `thickness` (mm) onto them; returns how many are curved now.
+    ///
+    /// `middle` is the distance to the middle of the wall.
+    pub fn curve(&mut self, middle: &SignedDistance, thickness: f64) -> usize {
+        let straight = self.positions.clone();
+        let mut moved = BTreeSet::new();
+        let faces = [(&self.chamber, -0.5 * thickness), (&self.outer, 0.5 * thickness)];
+        let mut targets = Vec::new();
+        for (faces, level) in faces {
+            for face in faces {
+                for (k, [a, b]) in super::FACE_EDGES.into_iter().enumerate() {
+                    let node = face[3 + k];
+                    if moved.insert(node) {
+                        let ends = [face[a], face[b]].map(|v| straight[v as usize]);
+                        targets.push((node, on_face(middle, level, thickness, ends)));
+                    }
+                }
+            }
+        }
+        moved.clear();
+        for (node, target) in targets {
+            if let Some(target) = target {
+                self.positions[node as usize] = target;
+                moved.insert(node);
+            }
+        }
+        for _ in 0..HALVINGS {
+            if !self.straighten_distorted(&straight, &moved, 0.5) {
+                return moved.len();
+            }
+        }
+        while self.straighten_distorted(&straight, &moved, 0.0) {}
+        moved.retain(|&node| self.positions[node as usize] != straight[node as usize]);
+        moved.len()
+    }
+
+    /// Leaves the moved midpoints of distorted cells only `share` of their way; whether there were any.
+    fn straighten_distorted(
+        &mut self,
+        straight: &[Vec3],
+        moved: &BTreeSet<u32>,
+        share: f64,
+    ) -> bool {
+        let mut back = BTreeSet::new();
+        for cell in &self.tetrahedra {
+            let is_moved = |&node: &u32| {
+                moved.contains(&node) && self.positions[node as usize] != straight[node as usize]
+            };
+            if cell[4..].iter().any(is_moved) && !is_sound(cell, &self.positions) {
+                back.extend(cell[4..].iter().copied().filter(is_moved));
+            }
+        }
+        for &node in &back {
+            let start = straight[node as usize];
+            self.positions[node as usize] = start + share * (self.positions[node as usize] - start);
+        }
+        !back.is_empty()
+    }
+}
+
+/// The point of the face beside the middle of an edge; none where the edge does not lie on the face, or the point is far.
+fn on_face(middle: &SignedDistance, level: f64, thickness: f64, [a, b]: [Vec3; 2]) -> Option<Vec3> {
+    let is_on_face = |x: Vec3| (middle.value(x) - level).abs() <= ON_FACE * thickness;
+    if !is_on_face(a) || !is_on_face(b) {
+        return None;
+    }
+    let start = 0.5 * (a + b);
+    let mut x = start;
+    for _ in 0..STEPS {
+        let (distance, gradient) = middle.value_and_gradient(x);
+        x -= (distance - level) * gradient;
+    }
+    let is_near = (x - start).norm() <= FURTHEST * (b - a).norm();
+    (is_near && is_on_face(x)).then_some(x)
+}
+
+/// Whether the volume of a cell is nowhere compressed by more than [`LEAST_VOLUME`] of its straight one.
+fn is_sound(cell: &[u32; 10], positions: &[Vec3]) -> bool {
+    let x = cell.map(|node| positions[node as usize]);
+    let straight = (x[1] - x[0]).dot(&(x[2] - x[0]).cross(&(x[3] - x[0])));
+    PLACES.iter().all(|place| {
+        let [mut r, mut s, mut t] = [Vec3::zeros(); 3];
+        for (x, slope) in x.iter().zip(quadratic_slopes(place)) {
+            r += slope.x * x;
+            s += slope.y * x;
+            t += slope.z * x;
+        }
+        r.dot(&s.cross(&t)) >= LEAST_VOLUME * straight
+    })
+}
+
+/// Corners, edge midpoints, face centres and centre.
+const PLACES: [[f64; 4]; 15] = [
+    [1.0, 0.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0, 0.0],
+    [0.0, 0.0, 1.0, 0.0],
+    [0.0, 0.0, 0.0, 1.0],
+    [0.5, 0.5, 0.0, 0.0],
+    [0.0, 0.5, 0.5, 0.0],
+    [0.5, 0.0, 0.5, 0.0],
+    [0.5, 0.0, 0.0, 0.5],
+    [0.0, 0.5, 0.0, 0.5],
+    [0.0, 0.0, 0.5, 0.5],
+    [THIRD, THIRD, THIRD, 0.0],
+    [THIRD, THIRD, 0.0, THIRD],
+    [THIRD, 0.0, THIRD, THIRD],
+    [0.0, THIRD, THIRD, THIRD],
+    [0.25, 0.25, 0.25, 0.25],
+];
+const THIRD: f64 = 1.0 / 3.0;
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::mesh::TetMesh;
+    use crate::surface::TriangleMesh;
+
+    /// A hollow sphere of one layer: prisms over the triangles of a sphere, each cut into three tetrahedra along the diagonals that
+    /// start at its smallest corners.
+    fn hollow_sphere(radius: f64, thickness: f64, subdivisions: usize) -> TetMesh {
+        let sphere = TriangleMesh::sphere(1.0, subdivisions);
+        let n = sphere.positions.len() as u32;
+        let at = |radius: f64| sphere.positions.iter().map(move |x| radius * x);
+        let positions = at(radius - 0.5 * thickness).chain(at(radius + 0.5 * thickness)).collect();
+        let mut tetrahedra = Vec::new();
+        for &triangle in &sphere.triangles {
+            let smallest = (0..3).min_by_key(|&k| triangle[k]).unwrap();
+            let [a, b, c] = [0, 1, 2].map(|k| triangle[(smallest + k) % 3]);
+            tetrahedra.push([a, a + n, b + n, c + n]);
+            if b < c {
+                tetrahedra.extend([[a, b, c + n, b + n], [a, b, c, c + n]]);
+            } else {
+                tetrahedra.extend([[a, c, c + n, b + n], [a, b, c, b + n]]);
+            }
+        }
+        let volume = |t: &[u32; 4], x: &Vec<Vec3>| {
+            let [a, b, c, d] = t.map(|v| x[v as usize]);
+            (b - a).dot(&(c - a).cross(&(d - a)))
+        };
+        let positions: Vec<Vec3> = positions;
+        for t in &mut tetrahedra {
+            if volume(t, &positions) < 0.0 {
+                t.swap(0, 1);
+            }
+        }
+        let chamber = sphere.triangles.clone();
+        let outer = sphere.triangles.iter().map(|t| t.map(|v| v + n)).collect();
+        TetMesh { positions, tetrahedra, chamber, outer }
+    }
+
+    /// The volume between quadratic faces, by two subdivisions into flat facets and Richardson's extrapolation: an independent
+    /// figure of the curved boundary, with its smooth limit known.
+    #[test]
+    fn curved_faces_follow_the_sphere() {
+        let (radius, thickness) = (10.0, 1.6);
+        let middle = SignedDistance::new(&TriangleMesh::sphere(radius, 5)).unwrap();
+        let errors = [2, 3].map(|subdivisions| {
+            let mut mesh = SolidMesh::straight(&hollow_sphere(radius, thickness, subdivisions));
+            let midpoints = 2 * 3 * mesh.chamber.len() / 2;
+            assert_eq!(mesh.curve(&middle, thickness), midpoints);
+            let volume = volume_of(&mesh);
+            let exact = 4.0 / 3.0 * PI * ((radius + 0.8_f64).powi(3) - (radius - 0.8_f64).powi(3));
+            (volume / exact - 1.0).abs()
+        });
+        // The middle's own facets, of 0.4 mm, take 0.1 %; straight cells miss 3.7 % and 0.9 %.
+        assert!(errors[0] < 4e-3 && errors[1] < 1.5e-3, "{errors:?}");
+    }
+
+    /// By the midpoint of every sub-tetrahedron of a fine split of the reference cell.
+    fn volume_of(mesh: &SolidMesh) -> f64 {
+        let n = 6;
+        let mut sum = 0.0;
+        for cell in &mesh.tetrahedra {
+            let x = cell.map(|node| mesh.positions[node as usize]);
+            for (i, j, k) in
+                (0..n).flat_map(|i| (0..n).flat_map(move |j| (0..n).map(move |k| (i, j, k))))
+            {
+                // Duffy's map of the cube onto the tetrahedron.
+                let [u, v, w] = [i, j, k].map(|i| (f64::from(i) + 0.5) / f64::from(n));
+                let (r, s, t) = (u, v * (1.0 - u), w * (1.0 - u) * (1.0 - v));
+                let [mut a, mut b, mut c] = [Vec3::zeros(); 3];
+                for (x, slope) in x.iter().zip(quadratic_slopes(&[1.0 - r - s - t, r, s, t])) {
+                    a += slope.x * x;
+                    b += slope.y * x;
+                    c += slope.z * x;
+                }
+                let weight = (1.0 - u).powi(2) * (1.0 - v) / f64::from(n * n * n);
+                sum += weight * a.dot(&b.cross(&c));
+            }
+        }
+        sum
+    }
+
+    /// Where the wall is as thick as the sphere is wide nothing is inverted: what would be stays straight.
+    #[test]
+    fn distorted_cells_stay_straight() {
+        let middle = SignedDistance::new(&TriangleMesh::sphere(10.0, 4)).unwrap();
+        let mut mesh = SolidMesh::straight(&hollow_sphere(10.0, 0.4, 1));
+        let midpoints = 2 * 3 * mesh.chamber.len() / 2;
+        // Facets of 5 mm sag by more than the wall of 0.4 mm is thick, inside and outside alike.
+        let curved = mesh.curve(&middle, 0.4);
+        assert!(curved <= midpoints);
+        assert!(mesh.tetrahedra.iter().all(|cell| is_sound(cell, &mesh.positions)));
+    }
+}
