@@ -111,7 +111,7 @@ const FUNCTIONS: &[&str] = &[
     "VecScatterCreateToAll", "VecScatterBegin", "VecScatterEnd", "VecScatterDestroy",
     "ISCreateStride", "ISSetBlockSize", "ISDestroy",
     "MatCreate", "MatSetSizes", "MatSetType", "MatSeqSBAIJSetPreallocationCSR",
-    "MatMPIAIJSetPreallocationCSR", "MatUpdateMPIAIJWithArray", "MatSetOption", "MatCreateShell", "MatSetUp", "MatGetOwnershipRange",
+    "MatMPIAIJSetPreallocationCSR", "MatUpdateMPIAIJWithArray", "MatSetOption", "MatCreateConstantDiagonal", "MatSetUp", "MatGetOwnershipRange",
     "MatNullSpaceCreateRigidBody", "MatNullSpaceDestroy",
     "MatSeqSBAIJGetArray", "MatSeqSBAIJRestoreArray", "MatAssemblyBegin", "MatAssemblyEnd", "MatDestroy",
     "MatGetFactor", "MatFactorInfoInitialize", "MatCholeskyFactorSymbolic", "MatCholeskyFactorNumeric",

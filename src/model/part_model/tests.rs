@@ -157,3 +157,30 @@ fn free_shell_has_six_rigid_motions() {
         assert!(eigenvalues[6] > 5e-3 * stiffest, "{eigenvalues}");
     }
 }
+
+/// Whoever has a share finds in it the bits of the whole, and spares itself the rest.
+#[test]
+fn a_share_has_what_the_whole_has() {
+    let (mut model, u, _) = loaded(1);
+    let pattern = model.pattern().clone();
+    let mut evaluated = |share: Option<&[bool]>| {
+        model.set_share(share);
+        let (mut residual, mut tangent) = (vec![0.0; u.len()], vec![0.0; pattern.stored()]);
+        model.tangent(&u, &mut residual, &mut tangent).unwrap();
+        (residual, tangent)
+    };
+    let whole = evaluated(None);
+    let share: Vec<bool> = (0..u.len()).map(|unknown| unknown / 3 % 16 == 5).collect();
+    let part = evaluated(Some(&share));
+    let mut spared = 0;
+    for column in 0..u.len() {
+        assert!(!share[column] || part.0[column] == whole.0[column]);
+        for at in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+            let [row, at] = [pattern.row_indices[at as usize], at].map(|index| index as usize);
+            assert!(!(share[column] || share[row]) || part.1[at] == whole.1[at]);
+            spared += usize::from(part.1[at] == 0.0 && whole.1[at] != 0.0);
+        }
+    }
+    assert!(spared > 0);
+    assert_eq!(evaluated(None), whole);
+}

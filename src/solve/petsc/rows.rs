@@ -153,3 +153,87 @@ fn bisect(
     bisect(left, places, weights, first, parts);
     bisect(right, places, weights, ranks - first, parts);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::system::Multiplier;
+
+    /// Nodes on a bar, a multiplier on every third of them.
+    fn bar(nodes: u32) -> Layout {
+        let places = (0..nodes).map(|v| Vec3::new(1.0, -2.0, f64::from(v * 7 % nodes)));
+        let multipliers = (0..nodes).step_by(3).map(|node| Multiplier { node, complement: 1.0 });
+        Layout { nodes: places.collect(), multipliers: multipliers.collect() }
+    }
+
+    #[test]
+    fn unknowns_are_shared_out_once_and_evenly_along_the_bar() {
+        let layout = bar(50);
+        let order = 150 + layout.multipliers.len();
+        for ranks in 1..6 {
+            let rows: Vec<Rows> =
+                (0..ranks).map(|rank| Rows::new(Some(&layout), order, rank, ranks)).collect();
+            let mut unknowns = rows[0].unknowns.clone();
+            unknowns.sort_unstable();
+            assert!(unknowns.iter().copied().eq(0..order as u32));
+            let mut end = (0, f64::NEG_INFINITY);
+            for rows in &rows {
+                assert_eq!(rows.own.start, end.0);
+                // A node with its multiplier is 4 unknowns.
+                assert!(rows.own.len().abs_diff(order / ranks) <= 8, "{:?} of {order}", rows.own);
+                let (displacements, multipliers) = rows.own_unknowns().split_at(rows.displacements);
+                let along =
+                    displacements.iter().map(|&unknown| layout.nodes[unknown as usize / 3].z);
+                let (low, high) = along
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
+                        (low.min(z), high.max(z))
+                    });
+                assert!(low > end.1, "parts do not overlap");
+                for &multiplier in multipliers {
+                    let node = layout.multipliers[multiplier as usize - 150].node;
+                    assert!(displacements.contains(&(3 * node)));
+                }
+                end = (rows.own.end, high);
+            }
+            assert_eq!(end.0, order);
+        }
+    }
+
+    /// Rows of all ranks together are the symmetric matrix, entries above the diagonal left out.
+    #[test]
+    fn rows_are_those_of_the_symmetric_matrix() {
+        let pattern = SparsityPattern {
+            column_starts: vec![0, 3, 6, 8, 9],
+            row_indices: vec![0, 1, 3, 0, 1, 2, 2, 3, 3],
+        };
+        for ranks in 1..4 {
+            let mut found = Vec::new();
+            for rank in 0..ranks {
+                let rows = Rows::new(None, 4, rank, ranks);
+                let own = rows.entries(&pattern);
+                for (row, bounds) in own.starts.windows(2).enumerate() {
+                    let row = rows.own.start + row;
+                    assert_eq!(own.columns[own.diagonal[row - rows.own.start]] as usize, row);
+                    for at in bounds[0]..bounds[1] {
+                        found.push((row as u32, own.columns[at], own.stored[at]));
+                    }
+                }
+            }
+            let stored = [
+                (0, 0, 0),
+                (1, 0, 1),
+                (3, 0, 2),
+                (1, 1, 4),
+                (2, 1, 5),
+                (2, 2, 6),
+                (3, 2, 7),
+                (3, 3, 8),
+            ];
+            let mirrored = stored.iter().filter(|(row, column, _)| row != column);
+            let mut expected: Vec<(u32, u32, u32)> = stored.to_vec();
+            expected.extend(mirrored.map(|&(row, column, at)| (column, row, at)));
+            expected.sort_unstable();
+            assert_eq!(found, expected, "{ranks} ranks");
+        }
+    }
+}

@@ -38,7 +38,7 @@ pub(in crate::solve::petsc) trait Newton {
 #[derive(Debug)]
 pub(in crate::solve::petsc) struct Driver {
     snes: sys::SNES,
-    /// What SNES takes for the tangent; it never looks inside.
+    /// What SNES takes for the tangent: the identity. It asks where a line search failed, for what to call that, and nowhere else.
     tangent: sys::Mat,
     x: sys::Vec,
     residual: sys::Vec,
@@ -62,13 +62,13 @@ impl Driver {
             let this = sys::petsc_sys_comm_self();
             check(sys::VecCreateSeq(this, order, &mut made.x))?;
             check(sys::VecCreateSeq(this, order, &mut made.residual))?;
-            check(sys::MatCreateShell(
+            check(sys::MatCreateConstantDiagonal(
                 this,
                 order,
                 order,
                 order,
                 order,
-                ptr::null_mut(),
+                1.0,
                 &mut made.tangent,
             ))?;
             check(sys::SNESCreate(this, &mut made.snes))?;

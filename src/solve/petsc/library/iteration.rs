@@ -206,12 +206,14 @@ const DIVERGED: f64 = 1e6;
 const MOST_ITERATIONS: sys::PetscInt = 600;
 
 /// How the fields are preconditioned, where the environment's `PETSC_OPTIONS` say nothing else.
-const OPTIONS: [[&CStr; 2]; 8] = [
+///
+/// Measured on a box of 123,000 unknowns: a threshold of 0.05 takes as many iterations as 0.01, and five times as much of a cycle (operator
+/// complexity 4.8 against 1.2); aggregates kept from the state at rest take four times as many iterations once it is bent.
+const OPTIONS: [[&CStr; 2]; 7] = [
     [c"-solid_ksp_gmres_restart", c"150"],
     [c"-solid_fieldsplit_u_ksp_type", c"preonly"],
     [c"-solid_fieldsplit_u_pc_type", c"gamg"],
-    [c"-solid_fieldsplit_u_pc_gamg_threshold", c"0.05"],
-    [c"-solid_fieldsplit_u_pc_gamg_reuse_interpolation", c"true"],
+    [c"-solid_fieldsplit_u_pc_gamg_threshold", c"0.01"],
     [c"-solid_fieldsplit_u_mg_levels_ksp_max_it", c"4"],
     [c"-solid_fieldsplit_p_ksp_type", c"preonly"],
     [c"-solid_fieldsplit_p_pc_type", c"jacobi"],
