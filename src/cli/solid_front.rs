@@ -128,11 +128,15 @@ mod tests {
     /// A shell is promoted where the largest gain seen may lift it over the solids' front.
     #[test]
     fn promotion_follows_the_largest_gain() {
-        let rows = [row("a", [2.0, 1.0], Some([2.0, 1.1])), row("b", [1.0, 2.0], Some([1.0, 1.8]))];
-        // The gain is 1.1; needed are 1.0 / 0.95, 1.1 / 0.5 and, between the two, nothing above 1.
+        let rows = [
+            row("a", [2.0, 1.0], Some([2.0, 1.1])),
+            row("b", [1.0, 2.0], Some([1.0, 1.8])),
+            row("c", [1.0, 1.0], None),
+        ];
+        // The gain is 1.1; needed are 0.947, 2.2, 0.733 and 1.059. No more are promoted than there are rows.
         let shells = [[0.95, 1.9], [0.5, 0.5], [1.5, 1.5], [0.8, 1.7]];
         assert_eq!(promoted(&rows, &shells), [2, 0, 3]);
-        assert_eq!(promoted(&rows[..1], &shells).len(), 1);
+        assert_eq!(promoted(&rows[..2], &shells), [2, 0]);
         assert!(promoted(&[], &shells).is_empty());
     }
 }

@@ -32,6 +32,10 @@ impl Deref for ReadArray {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
+        if self.length == 0 {
+            // PETSc has no address for no numbers.
+            return &[];
+        }
         // SAFETY: the vector holds `length` numbers at `start` until it is restored.
         unsafe { slice::from_raw_parts(self.start, self.length) }
     }
@@ -68,6 +72,9 @@ impl Deref for WriteArray {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
+        if self.length == 0 {
+            return &[];
+        }
         // SAFETY: as in `ReadArray::deref`.
         unsafe { slice::from_raw_parts(self.start, self.length) }
     }
@@ -75,6 +82,9 @@ impl Deref for WriteArray {
 
 impl DerefMut for WriteArray {
     fn deref_mut(&mut self) -> &mut [f64] {
+        if self.length == 0 {
+            return &mut [];
+        }
         // SAFETY: as in `ReadArray::deref`, and the exclusive borrow is ours.
         unsafe { slice::from_raw_parts_mut(self.start, self.length) }
     }
