@@ -229,7 +229,7 @@ fn push_group_names<'a>(code: &'a str, start: usize, names: &mut Vec<(usize, &'a
 
 /// `code` up to the test module at its foot; a file of tests only is empty.
 fn without_tests<'a>(path: &str, code: &'a str) -> &'a str {
-    if path.ends_with("/tests.rs") {
+    if path.ends_with("/tests.rs") || path.ends_with("_tests.rs") {
         return "";
     }
     code.find("\nmod tests {").map_or(code, |foot| &code[..foot])
