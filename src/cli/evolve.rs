@@ -32,6 +32,7 @@ pub(super) fn run(
     solver: Option<Backend>,
 ) -> anyhow::Result<()> {
     let run = RunFile::read(path, solver)?;
+    run.solid.iter().try_for_each(SolidSection::check_programs)?;
     instability(&run.material.material()?).iter().for_each(|line| warn(line));
     // PETSc solves one system at a time in a process: more threads would only wait.
     let threads = if run.solver.backend == Backend::Petsc && threads != 1 {

@@ -81,7 +81,10 @@ impl RunFile {
             "[evolution] population is {}, but at most {MOST_INDIVIDUALS} fit in memory",
             self.evolution.population
         );
-        self.solid.iter().try_for_each(SolidSection::check)?;
+        if let Some(section) = &self.solid {
+            section.check()?;
+            section.check_material(&self.material.material()?)?;
+        }
         self.evolution.validate().context("[evolution]")?;
         self.gene_bounds()?;
         self.material.material()?;
@@ -123,6 +126,8 @@ const SOLID_EXAMPLE: &str = "
 # The front again as solids, when the search is over, and what that may promote.
 # [solid]
 # edge = 2.0  # mm, on the wall's faces
+# layers = 1  # through the wall; as many as make tetrahedra as high as wide where it is left out
+# mesher = \"tetgen\"  # or gmsh; the one and then the other where it is left out
 # coarser = 1.5  # and with edges so many times longer, by which the first is judged
 # [solid.fidelity]
 # trust = 0.1  # the largest deviation at which the shell is trusted

@@ -15,7 +15,7 @@ use super::solid_part::SolidSection;
 use super::verify_section::{MeshSize, VerifySection};
 use super::watch::{WatchSection, Watchable};
 use crate::field::DesignBox;
-use crate::fitness::LoadSettings;
+use crate::fitness::{FidelitySettings, LoadSettings};
 use crate::io::toml_file;
 use crate::math::Vec3;
 use crate::mesh::{MeshSettings, ShellSettings};
@@ -225,10 +225,16 @@ impl SceneFile {
                 "[solid] wants a [part] with a `network` or an `stl`"
             );
             ensure!(
-                self.self_contact.is_none(),
-                "[self_contact] is modelled between shells alone; take it or [solid] away"
+                section.coarser.is_none() && section.fidelity == FidelitySettings::default(),
+                "[solid] coarser and fidelity are for `certify` and run files; a scene has one solid"
             );
+            section.check_material(&self.material.material()?)?;
         }
+        let is_solid = self.solid.is_some() || self.part.tetrahedra.is_some();
+        ensure!(
+            self.self_contact.is_none() || !is_solid,
+            "[self_contact] is modelled between shells alone; take it away, or the solid"
+        );
         self.check_conditions()
     }
 

@@ -41,6 +41,10 @@ impl Shape {
     /// When the surface or what holds it does not make a shell.
     pub(super) fn new(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
         let mut shape = Self::unfolded(scene, source)?;
+        if let PartSource::Tetrahedra { .. } = source {
+            // Folds are those of middles of walls.
+            return Ok(shape);
+        }
         match scene.self_contact()? {
             Some(settings) => shape.model.keep_folds_apart(settings),
             None => shape.model.watch_folds(!scene.load.may_overlap),
@@ -118,6 +122,11 @@ fn of_tetrahedra(scene: &SceneFile, mesh: &SolidMesh) -> anyhow::Result<Shape> {
         clamped.len()
     );
     let length = top - base;
+    ensure!(
+        base + clamp_height * thickness < top - tip_fraction * length && length > 0.0,
+        "the clamp of {:.3} mm reaches the tip of a part of {length:.3} mm; is the file in mm? See [wall]",
+        clamp_height * thickness
+    );
     let tip = (0u32..).zip(&surface.positions).filter(|(_, x)| x.z >= top - tip_fraction * length);
     let vertices: Vec<u32> = tip.map(|(vertex, _)| vertex).collect();
     let planes = scene.plane_settings(scene.load_settings().pressure);

@@ -72,7 +72,9 @@ pub(super) fn run(
     job: Job,
 ) -> anyhow::Result<()> {
     let start = cpu_seconds();
-    OutputFolder::check_new(out)?;
+    if job.is_first() {
+        OutputFolder::check_new(out)?;
+    }
     let scene = SceneFile::read(path, solver)?;
     let source = scene.part.source(path, &OnDisk)?;
     if !source.is_actuator() {
@@ -84,7 +86,9 @@ pub(super) fn run(
 
     let planes = scene.plane_settings(scene.load_settings().pressure);
     let material = scene.material.material()?;
-    instability(&material).iter().for_each(|line| warn(line));
+    if job.is_first() {
+        instability(&material).iter().for_each(|line| warn(line));
+    }
     let failed = |rejected: Rejected| anyhow!("{}: {rejected}", path.display());
     let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes).map_err(failed)?;
     model.watch_folds(!scene.load.may_overlap);

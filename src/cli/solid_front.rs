@@ -71,6 +71,9 @@ impl SolidFront {
 /// there are rows, the likeliest first.
 fn promoted(rows: &[Row], shells: &[[f64; 2]]) -> Vec<usize> {
     let solids: Vec<[f64; 2]> = rows.iter().filter_map(Row::solid_objectives).collect();
+    if solids.is_empty() {
+        return Vec::new();
+    }
     let gains = rows.iter().filter_map(|row| {
         let [bending, blocking] = row.solid_objectives()?;
         Some((bending / row.bending_shell?).max(blocking / row.blocking_shell?))

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::material::within;
 use super::run_file::check_distance;
 use crate::fitness::FidelitySettings;
+use crate::io::child::is_installed;
 use crate::io::gmsh::{Algorithm, Gmsh};
 use crate::io::tetgen::TetGen;
 use crate::math::Rejected;
@@ -59,6 +60,12 @@ pub(super) enum MesherName {
 
 /// Facets of the middle, in thicknesses: their corners show in neither face.
 const FACET: f64 = 0.3;
+/// Facets of the middle, at the least, as a share of the part: some hundred thousand of them.
+const LEAST_FACET: f64 = 2e-3;
+/// The finest edge of the ladder, as a share of the one asked for.
+const LEAST_SHARE: f64 = 0.6;
+/// Cubes of that edge about the part: some points of the grid from which faces are made each.
+const MOST_CUBES: f64 = 4e6;
 /// More is a thick body, not a wall.
 const MOST_LAYERS: usize = 16;
 
@@ -76,6 +83,31 @@ impl SolidSection {
             trust > 0.0 && trust <= check,
             "[solid.fidelity] wants 0 < trust <= check, not trust = {trust} and check = {check}"
         );
+        Ok(())
+    }
+
+    /// Refuses a law of shells alone.
+    pub(super) fn check_material(&self, material: &Material) -> anyhow::Result<()> {
+        ensure!(
+            material.solid().is_some(),
+            "[material] has a law of shells alone; take [solid] away"
+        );
+        Ok(())
+    }
+
+    /// Refuses to begin what a missing program would end.
+    pub(super) fn check_programs(&self) -> anyhow::Result<()> {
+        let needed: &[&str] = match self.mesher {
+            None => &["tetgen", "gmsh"],
+            Some(MesherName::Tetgen) => &["tetgen"],
+            Some(MesherName::Gmsh) => &["gmsh"],
+        };
+        for program in needed {
+            ensure!(
+                is_installed(program),
+                "[solid] wants the program `{program}`; install the package of that name"
+            );
+        }
         Ok(())
     }
 
@@ -145,7 +177,19 @@ impl SolidPart {
             Some(MesherName::Tetgen) => &[&tetgen],
             Some(MesherName::Gmsh) => &[&hxt, &delaunay],
         };
-        let middle = shell.rest_surface(FACET * thickness);
+        let size = shell.rest_size();
+        let middle = shell.rest_surface((FACET * thickness).max(LEAST_FACET * size.amax()));
+        let finest = LEAST_SHARE * section.edge;
+        let cubes = size.add_scalar(2.0 * thickness).product() / finest.powi(3);
+        ensure!(
+            cubes <= MOST_CUBES,
+            "[solid] edge is {}, too fine for a part of {:.0} x {:.0} x {:.0} mm; {:.2} mm would do",
+            section.edge,
+            size.x,
+            size.y,
+            size.z,
+            section.edge * (cubes / MOST_CUBES).cbrt() + 0.005
+        );
         let surfaces = |edge: f64| {
             wall_surfaces(&middle, thickness, &WallSettings { edge, ..WallSettings::default() })
         };

@@ -114,7 +114,10 @@ fn deviation(
 
 /// The share of the longer path that the shorter one has.
 fn common_pressure(rows: [&[Observation]; 2]) -> f64 {
-    let [a, b] = rows.map(|rows| rows.last().map_or(0.0, |row| row.pressure));
+    let last = |rows: &[Observation]| {
+        rows.iter().rfind(|row| row.is_sample).map_or(0.0, |row| row.pressure)
+    };
+    let [a, b] = rows.map(last);
     if (a - b).abs() <= SAME * a.max(b) { 1.0 } else { a.min(b) / a.max(b) }
 }
 

@@ -102,8 +102,17 @@ pub fn run(
             (None, signal) => Ending::Signalled(signal.unwrap_or_default()),
         },
     };
-    Ok(Finished { ending, words: last_words(&output).map_err(failed)? })
+    let words = last_words(&output).map_err(failed)?;
+    let is_of_wrapper = WRAPPERS.iter().any(|name| words.starts_with(name));
+    if !matches!(ending, Ending::Exited(0)) && is_of_wrapper {
+        // The program itself never ran.
+        return Err(format!("cannot run `{program}`: {}", one_line(&words)));
+    }
+    Ok(Finished { ending, words })
 }
+
+/// How those that set the limits begin what they complain of.
+const WRAPPERS: [&str; 2] = ["setpriv: ", "prlimit: "];
 
 /// Whether `program` is a file, or one of a folder in `PATH`.
 #[must_use]

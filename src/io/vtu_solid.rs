@@ -88,7 +88,11 @@ fn solid_of(
         let short = || format!("cell {cell} has fewer nodes than its type");
         let nodes = nodes.get(start..end).ok_or_else(short)?;
         start = end;
-        let node = |k: usize| nodes.get(k).map(|&v| v as u32).ok_or_else(short);
+        let number =
+            |v: f64| (v >= 0.0 && v.fract() == 0.0 && v < f64::from(u32::MAX)).then_some(v as u32);
+        let not_one = || format!("cell {cell} names a node that is no number");
+        let node =
+            |k: usize| nodes.get(k).ok_or_else(short).and_then(|&v| number(v).ok_or_else(not_one));
         match kind as u8 {
             // Points, lines, polygons.
             1..=4 | 6..=9 | 21 | 23 => {}

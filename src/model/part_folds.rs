@@ -4,7 +4,6 @@ use super::contact::SelfContactSettings;
 use super::contact::self_contact::Frame;
 use super::part_model::PartModel;
 use super::system::{Limit, LimitKind};
-use crate::math::Vec3;
 
 impl PartModel {
     /// Keeps the folds of the wall apart by barriers from now on.
@@ -69,9 +68,7 @@ impl PartModel {
     /// The largest part of `du` that keeps all folds apart, at most 1.
     pub(super) fn longest_step_of_folds(&self, u: &[f64], du: &[f64]) -> f64 {
         let Some(contact) = &self.folds.contact else { return 1.0 };
-        let mut dx: Vec<Vec3> = du.as_chunks().0.iter().map(|&du: &[f64; 3]| du.into()).collect();
-        self.ties.displace(&mut dx);
-        contact.longest_step(&self.displaced(u), &dx)
+        contact.longest_step(&self.displaced(u), &self.displacements(du))
     }
 
     /// Where the wall touches itself at `u` and nothing keeps it apart, if that is watched.

@@ -253,6 +253,15 @@ impl PartModel {
         self.displaced(u)[if node < self.reference.len() { node } else { corner() }]
     }
 
+    /// Extent at rest along x, y and z of the surface that carries pressure and contact, mm.
+    #[must_use]
+    pub fn rest_size(&self) -> Vec3 {
+        let points = self.surface.at(&self.reference);
+        let low = points.iter().fold(Vec3::repeat(f64::INFINITY), |low, x| low.inf(x));
+        let high = points.iter().fold(Vec3::repeat(f64::NEG_INFINITY), |high, x| high.sup(x));
+        high - low
+    }
+
     /// The surface at rest that carries pressure and contact, in facets of about `edge` (mm): of a Loop shell its limit surface, of
     /// quadratic pieces.
     #[must_use]
@@ -276,7 +285,7 @@ impl PartModel {
     }
 
     /// Displacements of all nodes, mm.
-    fn displacements(&self, u: &[f64]) -> Vec<Vec3> {
+    pub(super) fn displacements(&self, u: &[f64]) -> Vec<Vec3> {
         assert_eq!(u.len(), self.unknowns());
         let (places, _) = u.split_at(3 * self.reference.len());
         let mut u: Vec<Vec3> = places.as_chunks().0.iter().map(|&u: &[f64; 3]| u.into()).collect();

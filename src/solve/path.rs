@@ -208,7 +208,8 @@ pub fn follow(
         Programme::Curve { end } => curve::trace(&mut walk, end)?,
     };
     if !ending.is_complete() && walk.place.is_none() {
-        walk.place = walk.points.last().and_then(|last| fastest(&last.rate));
+        let multipliers = walk.system.multipliers();
+        walk.place = walk.points.last().and_then(|last| fastest(&last.rate, &multipliers));
     }
     let Walk { points, place, spent, fell, .. } = walk;
     Ok(Path { points, ending, place, fell, newton_iterations: spent })

@@ -174,15 +174,23 @@ impl Walk<'_> {
         let share = equation.by_conjugate * equation.load_rate(dot(&direction, &by_load));
         // Inverse iteration with K + k a a^T, from a vector that no mode is likely to be orthogonal to.
         let mut mode: Vec<f64> = (0..saddle.x.len()).map(|i| (1.0 + i as f64).sin()).collect();
+        let multipliers = self.system.multipliers();
+        let moving = |mode: &[f64]| -> Vec<f64> {
+            let moving = mode.iter().enumerate().filter(|(i, _)| !multipliers.contains(i));
+            moving.map(|(_, value)| *value).collect()
+        };
         for _ in 0..MODE_ITERATIONS {
+            // Multipliers have no mass.
+            mode[multipliers.clone()].fill(0.0);
             self.solver.solve_linearized(&mut mode)?;
             let relief = share * dot(&direction, &mode);
             mode.iter_mut().zip(&by_load).for_each(|(mode, z)| *mode -= relief * z);
-            let norm = dot(&mode, &mode).sqrt();
+            let moving = moving(&mode);
+            let norm = dot(&moving, &moving).sqrt();
             mode.iter_mut().for_each(|value| *value /= norm);
         }
         let largest =
-            mode.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+            moving(&mode).into_iter().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
         // The valleys on both sides may be near or far: the lowest of ever larger pushes is in one.
         let size = PUSH * self.reach_of(&saddle.x) / largest;
         self.system.set_load(saddle.load);

@@ -1,5 +1,7 @@
 //! The walk along a driven path: steps, their predictions, and when they are believed.
 
+use std::ops::Range;
+
 use super::bordered::{self, Constraint};
 use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step, work_between};
@@ -414,7 +416,8 @@ const REFRESHES: usize = 30;
 /// How well it has to agree.
 const REFRESHED: f64 = 1e-4;
 
-/// The unknown that moves fastest.
-pub(super) fn fastest(rate: &[f64]) -> Option<usize> {
-    (0..rate.len()).max_by(|&a, &b| rate[a].abs().total_cmp(&rate[b].abs()))
+/// The unknown that moves fastest, multipliers left out.
+pub(super) fn fastest(rate: &[f64], multipliers: &Range<usize>) -> Option<usize> {
+    let moving = (0..rate.len()).filter(|i| !multipliers.contains(i));
+    moving.max_by(|&a, &b| rate[a].abs().total_cmp(&rate[b].abs()))
 }

@@ -253,10 +253,10 @@ fn a_part_is_one_of_two() {
     let workshop = Workshop::new();
     workshop.refuse_scene(
         "[part]\n",
-        &["scene.toml: [part] has none of `network`, `stl`, `patch`, `sphere` and `ellipsoid`; give one"],
+        &["scene.toml: [part] has none of `network`, `stl`, `tetrahedra`, `patch`, `sphere` and `ellipsoid`; give one"],
     );
     let both = "[part]\nnetwork = \"network.toml\"\nstl = \"part.stl\"\n";
-    workshop.refuse_scene(both, &["scene.toml: [part] has more than one of `network`, `stl`, `patch`, `sphere` and `ellipsoid`; give one"]);
+    workshop.refuse_scene(both, &["scene.toml: [part] has more than one of `network`, `stl`, `tetrahedra`, `patch`, `sphere` and `ellipsoid`; give one"]);
 }
 
 #[test]
