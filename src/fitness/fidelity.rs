@@ -126,26 +126,7 @@ mod tests {
     use super::*;
 
     fn row(pressure: f64, volume: f64) -> Observation {
-        Observation {
-            step: 0,
-            pressure,
-            volume,
-            work: 0.0,
-            stored_energy: 0.0,
-            tip_x: 0.0,
-            tip_y: 0.0,
-            tip_z: 0.0,
-            angle_deg: 0.1 * volume,
-            tangent_angle_deg: 0.0,
-            max_displacement: 0.0,
-            plane_force: 0.0,
-            wall_gap: None,
-            self_contact_force: None,
-            newton_iterations: 0,
-            step_cuts: 0,
-            stability: "stable",
-            is_sample: true,
-        }
+        Observation { pressure, volume, angle_deg: 0.1 * volume, ..Observation::at_rest() }
     }
 
     /// Growth is measured from each one's own rest, and what only one path has is not compared.

@@ -47,24 +47,12 @@ mod tests {
 
     fn row(pressure: f64, work: f64, angle_deg: f64, plane_force: f64) -> Observation {
         Observation {
-            step: 1,
             pressure,
-            volume: 0.0,
             work,
-            stored_energy: 0.0,
-            tip_x: 0.0,
-            tip_y: 0.0,
-            tip_z: 0.0,
             angle_deg,
             tangent_angle_deg: 2.0 * angle_deg,
-            max_displacement: 0.0,
             plane_force,
-            wall_gap: None,
-            self_contact_force: None,
-            newton_iterations: 0,
-            step_cuts: 0,
-            stability: "stable",
-            is_sample: true,
+            ..Observation::at_rest()
         }
     }
 

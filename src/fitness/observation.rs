@@ -59,6 +59,33 @@ pub struct Observation {
     pub is_sample: bool,
 }
 
+#[cfg(test)]
+impl Observation {
+    /// A stable sample at which nothing is loaded, moves or touches.
+    pub(super) fn at_rest() -> Self {
+        Self {
+            step: 0,
+            pressure: 0.0,
+            volume: 0.0,
+            work: 0.0,
+            stored_energy: 0.0,
+            tip_x: 0.0,
+            tip_y: 0.0,
+            tip_z: 0.0,
+            angle_deg: 0.0,
+            tangent_angle_deg: 0.0,
+            max_displacement: 0.0,
+            plane_force: 0.0,
+            wall_gap: None,
+            self_contact_force: None,
+            newton_iterations: 0,
+            step_cuts: 0,
+            stability: "stable",
+            is_sample: true,
+        }
+    }
+}
+
 /// What [`Observation::stability`] says of a point.
 #[must_use]
 pub fn stability(point: &PathPoint) -> &'static str {

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use crate::math::Vec3;
 use crate::mesh::tetrahedra::{Numbered, TetDefect};
 use crate::mesh::{SolidMesh, TET_EDGES, TetMesh};
+use crate::surface::turned_outward;
 
 /// Vertices, tetrahedra and marked triangles of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -89,59 +90,10 @@ impl RawSolid {
                 "the chamber is not closed: {open} of its edges have not two triangles"
             ));
         }
-        mesh.chamber = outward(&mesh.chamber, &mesh.positions)
+        mesh.chamber = turned_outward(&mesh.chamber, &mesh.positions)
             .ok_or_else(|| "the chamber has no inside: it is one-sided".to_owned())?;
         Ok(Numbered { mesh, former })
     }
-}
-
-/// Closed `triangles` turned so that neighbours agree and each piece encloses a positive volume; none where a piece is one-sided.
-fn outward(triangles: &[[u32; 3]], positions: &[Vec3]) -> Option<Vec<[u32; 3]>> {
-    let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
-    let mut of_edge: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
-    for (k, &triangle) in triangles.iter().enumerate() {
-        for [a, b] in edges(triangle) {
-            of_edge.entry([a.min(b), a.max(b)]).or_default().push(k);
-        }
-    }
-    let turned = |[a, b, c]: [u32; 3]| [a, c, b];
-    let mut turned_right = triangles.to_vec();
-    let mut seen = vec![false; triangles.len()];
-    for start in 0..triangles.len() {
-        if seen[start] {
-            continue;
-        }
-        seen[start] = true;
-        let mut piece = vec![start];
-        let mut next = 0;
-        while let Some(&k) = piece.get(next) {
-            next += 1;
-            for [a, b] in edges(turned_right[k]) {
-                for &other in of_edge[&[a.min(b), a.max(b)]].iter().filter(|&&other| other != k) {
-                    let runs_along = edges(turned_right[other]).contains(&[a, b]);
-                    match (seen[other], runs_along) {
-                        (true, true) => return None,
-                        (true, false) => {}
-                        (false, _) => {
-                            if runs_along {
-                                turned_right[other] = turned(turned_right[other]);
-                            }
-                            seen[other] = true;
-                            piece.push(other);
-                        }
-                    }
-                }
-            }
-        }
-        let volume = |&k: &usize| {
-            let [a, b, c] = turned_right[k].map(|v| positions[v as usize]);
-            a.dot(&b.cross(&c))
-        };
-        if piece.iter().map(volume).sum::<f64>() < 0.0 {
-            piece.iter().for_each(|&k| turned_right[k] = turned(turned_right[k]));
-        }
-    }
-    Some(turned_right)
 }
 
 /// The number of edges without exactly two of the `triangles`, whichever way these face.
@@ -151,29 +103,4 @@ fn open_edges(triangles: &[[u32; 3]]) -> usize {
         triangles.iter().flat_map(edges).map(|[v, w]| [v.min(w), v.max(w)]).collect();
     edges.sort_unstable();
     edges.chunk_by(|a, b| a == b).filter(|same| same.len() != 2).count()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::surface::TriangleMesh;
-
-    /// Any triangles of two spheres may be turned: both come out right.
-    #[test]
-    fn pieces_are_turned_outward() {
-        let sphere = TriangleMesh::sphere(2.0, 1);
-        let n = sphere.positions.len() as u32;
-        let far = sphere.positions.iter().map(|x| x + Vec3::new(9.0, 0.0, 0.0));
-        let positions: Vec<Vec3> = sphere.positions.iter().copied().chain(far).collect();
-        let second = sphere.triangles.iter().map(|t| t.map(|v| v + n));
-        let right: Vec<[u32; 3]> = sphere.triangles.iter().copied().chain(second).collect();
-        let mut wrong = right.clone();
-        for k in [0, 3, 7, 90, 91] {
-            wrong[k].swap(1, 2);
-        }
-        let found = outward(&wrong, &positions).unwrap();
-        let surface = TriangleMesh { positions, triangles: found };
-        assert_eq!(surface.check_closed_manifold(), Ok(()));
-        assert!(surface.component_volumes().iter().all(|volume| *volume > 0.0));
-    }
 }

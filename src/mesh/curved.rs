@@ -143,40 +143,20 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::mesh::TetMesh;
+    use crate::mesh::TET_EDGES;
     use crate::surface::TriangleMesh;
 
-    /// A hollow sphere of one layer: prisms over the triangles of a sphere, each cut into three tetrahedra along the diagonals that
-    /// start at its smallest corners.
-    fn hollow_sphere(radius: f64, thickness: f64, subdivisions: usize) -> TetMesh {
-        let sphere = TriangleMesh::sphere(1.0, subdivisions);
-        let n = sphere.positions.len() as u32;
-        let at = |radius: f64| sphere.positions.iter().map(move |x| radius * x);
-        let positions = at(radius - 0.5 * thickness).chain(at(radius + 0.5 * thickness)).collect();
-        let mut tetrahedra = Vec::new();
-        for &triangle in &sphere.triangles {
-            let smallest = (0..3).min_by_key(|&k| triangle[k]).unwrap();
-            let [a, b, c] = [0, 1, 2].map(|k| triangle[(smallest + k) % 3]);
-            tetrahedra.push([a, a + n, b + n, c + n]);
-            if b < c {
-                tetrahedra.extend([[a, b, c + n, b + n], [a, b, c, c + n]]);
-            } else {
-                tetrahedra.extend([[a, c, c + n, b + n], [a, b, c, b + n]]);
+    /// A hollow sphere of one layer of cells with straight edges.
+    fn hollow_sphere(radius: f64, thickness: f64, subdivisions: usize) -> SolidMesh {
+        let lifted = |x: Vec3, height: f64| (radius + (height - 0.5) * thickness) * x.normalize();
+        let mut mesh = SolidMesh::layers(&TriangleMesh::sphere(1.0, subdivisions), 1, &lifted);
+        for nodes in &mesh.tetrahedra {
+            for (middle, [a, b]) in nodes[4..].iter().zip(TET_EDGES) {
+                let [a, b] = [a, b].map(|k| mesh.positions[nodes[k] as usize]);
+                mesh.positions[*middle as usize] = 0.5 * (a + b);
             }
         }
-        let volume = |t: &[u32; 4], x: &Vec<Vec3>| {
-            let [a, b, c, d] = t.map(|v| x[v as usize]);
-            (b - a).dot(&(c - a).cross(&(d - a)))
-        };
-        let positions: Vec<Vec3> = positions;
-        for t in &mut tetrahedra {
-            if volume(t, &positions) < 0.0 {
-                t.swap(0, 1);
-            }
-        }
-        let chamber = sphere.triangles.clone();
-        let outer = sphere.triangles.iter().map(|t| t.map(|v| v + n)).collect();
-        TetMesh { positions, tetrahedra, chamber, outer }
+        mesh
     }
 
     /// The volume between quadratic faces is nearly that between spheres.
@@ -185,7 +165,7 @@ mod tests {
         let (radius, thickness) = (10.0, 1.6);
         let middle = SignedDistance::new(&TriangleMesh::sphere(radius, 5)).unwrap();
         let errors = [2, 3].map(|subdivisions| {
-            let mut mesh = SolidMesh::straight(&hollow_sphere(radius, thickness, subdivisions));
+            let mut mesh = hollow_sphere(radius, thickness, subdivisions);
             let midpoints = 2 * 3 * mesh.chamber.len() / 2;
             assert_eq!(mesh.curve(&middle, thickness), midpoints);
             let volume = volume_of(&mesh);
@@ -226,7 +206,7 @@ mod tests {
     fn distorted_cells_are_held_back() {
         let (radius, thickness) = (10.0, 0.3);
         let middle = SignedDistance::new(&TriangleMesh::sphere(radius, 4)).unwrap();
-        let mut mesh = SolidMesh::straight(&hollow_sphere(radius, thickness, 1));
+        let mut mesh = hollow_sphere(radius, thickness, 1);
         mesh.outer.clear();
         let straight = mesh.clone();
         let mut whole = mesh.clone();
