@@ -31,7 +31,7 @@ impl<'a> Workpiece<'a> {
 
     /// Sets the edge length wanted at each vertex from the bends of its edges, changing by no more than half the way.
     pub(super) fn grade(&mut self, grading: &Grading) {
-        let Grading { shortest, chord_error, side } = *grading;
+        let Grading { shortest, chord_error } = *grading;
         let Some(field) = self.field else { return };
         let vertices: Vec<u32> =
             (0..self.positions.len() as u32).filter(|&v| self.is_used(v)).collect();
@@ -44,7 +44,7 @@ impl<'a> Workpiece<'a> {
             let bend = |w: u32| {
                 let [way, turn] =
                     [&self.positions, &normals].map(|all| all[w as usize] - all[v as usize]);
-                side * turn.dot(&way) / way.norm_squared()
+                turn.dot(&way).abs() / way.norm_squared()
             };
             let curvature = self.surface.ring(v).map(bend).fold(1.0 / self.edge / 1e3, f64::max);
             let chord = (6.0 * chord_error / curvature - 3.0 * chord_error.powi(2)).max(0.0).sqrt();
