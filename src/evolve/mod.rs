@@ -17,6 +17,7 @@ mod individual;
 mod nsga2;
 mod selection;
 mod settings;
+mod spread;
 mod variation;
 
 pub use bounds::{Bounds, InvalidBounds};
@@ -24,6 +25,10 @@ pub use crowding::crowding_distances;
 pub use dominance::{dominates, fronts};
 pub use hypervolume::hypervolume;
 pub use individual::{Candidate, Evaluation, Individual, IndividualId, InvalidId};
-pub use nsga2::{Checkpoint, InvalidCheckpoint, Nsga2};
-pub use settings::{Breeding, Crossover, InvalidSettings, Nsga2Settings};
-pub use variation::{intermediate_crossover, polynomial_mutation, sbx_crossover, uniform_genome};
+pub use nsga2::{Adaptation, Checkpoint, InvalidCheckpoint, Nsga2};
+pub use settings::{Breeding, Crossover, InvalidSettings, Mutation, Nsga2Settings, Survival};
+pub use spread::spread;
+pub use variation::{
+    adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
+    uniform_genome,
+};

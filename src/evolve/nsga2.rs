@@ -7,17 +7,19 @@
 //! ```
 //!
 //! Source: Deb, Pratap, Agarwal, Meyarivan (2002), IEEE Trans. Evol. Comput. 6:182-197.
-//! It is not MATLAB's `gamultiobj`, which limits the share of the best front and adapts its mutation.
+//! Settings make it behave as MATLAB's `gamultiobj`, which limits the share of the best front and adapts its mutation.
 
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use super::bounds::Bounds;
 use super::individual::{Candidate, Evaluation, Individual, IndividualId};
-use super::selection::{Ranking, survivors};
-use super::settings::{Breeding, Crossover, InvalidSettings, Nsga2Settings};
+use super::selection::{Ranking, controlled_survivors, survivors};
+use super::settings::{Breeding, Crossover, InvalidSettings, Mutation, Nsga2Settings, Survival};
+use super::spread::spread;
 use super::variation::{
-    intermediate_crossover, polynomial_mutation, sbx_crossover, uniform_genome,
+    adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
+    uniform_genome,
 };
 use crate::math::random::{Purpose, Stream};
 
@@ -31,6 +33,38 @@ pub struct Nsga2 {
     generation: usize,
     /// Empty before the first generation is told, then of the size that the settings say.
     population: Vec<Individual>,
+    adaptation: Adaptation,
+}
+
+/// What a run remembers of the generation before, for mutations that adapt.
+///
+/// ```text
+/// step: 1 up to generation 2, then four times longer when the spread rose (1 at most), or a quarter when it fell (sqrt(eps) at least)
+/// ```
+/// Source: MATLAB's `mutationadaptfeasible`, as described by its users.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Adaptation {
+    /// Of a mutation, in widths of the bounds.
+    pub step: f64,
+    /// Of the last front, 0 before the first.
+    pub spread: f64,
+}
+
+impl Adaptation {
+    const FIRST: Self = Self { step: 1.0, spread: 0.0 };
+
+    /// After `generation` has ended with a front of this `spread`.
+    fn next(self, generation: usize, spread: f64) -> Self {
+        let step = if generation < 2 || spread == self.spread {
+            self.step
+        } else if spread > self.spread {
+            (4.0 * self.step).min(1.0)
+        } else {
+            (0.25 * self.step).max(f64::EPSILON.sqrt())
+        };
+        Self { step, spread }
+    }
 }
 
 /// All that a run needs to go on with the same bits.
@@ -49,11 +83,13 @@ pub struct Checkpoint {
     pub generation: usize,
     /// The survivors of the last generation told, the best first; none before the first.
     pub population: Vec<Individual>,
+    /// What the last generation has taught.
+    pub adaptation: Adaptation,
 }
 
 impl Checkpoint {
     /// The layout that this program writes and reads.
-    pub const FORMAT: u32 = 1;
+    pub const FORMAT: u32 = 2;
 }
 
 /// A checkpoint from which no run can go on; one sentence says why.
@@ -76,7 +112,8 @@ impl Nsga2 {
     ) -> Result<Self, InvalidSettings> {
         assert!(objectives > 0, "a run has objectives");
         settings.validate()?;
-        Ok(Self { settings, bounds, objectives, generation: 0, population: vec![] })
+        let adaptation = Adaptation::FIRST;
+        Ok(Self { settings, bounds, objectives, generation: 0, population: vec![], adaptation })
     }
 
     /// The run that a checkpoint was taken of.
@@ -84,7 +121,7 @@ impl Nsga2 {
     /// # Errors
     /// [`InvalidCheckpoint`] when its format is another or its parts contradict each other.
     pub fn resume(checkpoint: Checkpoint) -> Result<Self, InvalidCheckpoint> {
-        let Checkpoint { format, settings, bounds, objectives, generation, population } =
+        let Checkpoint { format, settings, bounds, objectives, generation, population, adaptation } =
             checkpoint;
         let check = |holds: bool, sentence: &dyn Fn() -> String| {
             if holds { Ok(()) } else { Err(InvalidCheckpoint(sentence())) }
@@ -106,7 +143,11 @@ impl Nsga2 {
                 &|| format!("the evaluation of {id} is not one of {objectives} objectives"),
             )?;
         }
-        Ok(Self { settings, bounds, objectives, generation, population })
+        let Adaptation { step, spread } = adaptation;
+        check((0.0..=1.0).contains(&step) && (0.0..f64::INFINITY).contains(&spread), &|| {
+            format!("its step is {step}, its spread {spread}")
+        })?;
+        Ok(Self { settings, bounds, objectives, generation, population, adaptation })
     }
 
     /// The next generation's candidates `[population]`, in the order of their ids.
@@ -132,6 +173,7 @@ impl Nsga2 {
     /// (none is allowed where a constraint is violated).
     pub fn tell(&mut self, evaluations: Vec<Evaluation>) {
         let candidates = self.ask();
+        let before = self.front_objectives();
         assert_eq!(evaluations.len(), candidates.len(), "one evaluation for each candidate");
         for (Candidate { id, genome }, evaluation) in candidates.into_iter().zip(evaluations) {
             let evaluation = evaluation.made_finite();
@@ -143,7 +185,18 @@ impl Nsga2 {
             );
             self.population.push(Individual { id, genome, evaluation });
         }
-        self.population = survivors(std::mem::take(&mut self.population), self.settings.population);
+        let (merged, count) = (std::mem::take(&mut self.population), self.settings.population);
+        self.population = match self.settings.survival {
+            Survival::Elitist => survivors(merged, count),
+            Survival::Controlled => {
+                controlled_survivors(merged, count, self.settings.pareto_fraction)
+            }
+        };
+        let after = self.front_objectives();
+        let [after, before] =
+            [&after, &before].map(|front| front.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let spread = spread(&after, &before);
+        self.adaptation = self.adaptation.next(self.generation, spread);
         self.generation += 1;
     }
 
@@ -187,6 +240,16 @@ impl Nsga2 {
         front
     }
 
+    /// How steady and how even the front is, as [`spread`] says.
+    #[must_use]
+    pub fn spread(&self) -> f64 {
+        self.adaptation.spread
+    }
+
+    fn front_objectives(&self) -> Vec<Vec<f64>> {
+        self.front().iter().map(|individual| individual.evaluation.objectives.clone()).collect()
+    }
+
     /// All that the run needs to go on.
     #[must_use]
     pub fn checkpoint(&self) -> Checkpoint {
@@ -197,6 +260,7 @@ impl Nsga2 {
             objectives: self.objectives,
             generation: self.generation,
             population: self.population.clone(),
+            adaptation: self.adaptation,
         }
     }
 
@@ -244,9 +308,17 @@ impl Nsga2 {
 
     /// A child of one parent, by the mutation of the settings.
     fn mutant(&self, parent: &[f64], rng: &mut impl rand::Rng) -> Vec<f64> {
-        let one_gene = 1.0 / self.bounds.genes() as f64;
-        let probability = self.settings.mutation_probability.unwrap_or(one_gene);
-        polynomial_mutation(parent, &self.bounds, self.settings.mutation_eta, probability, rng)
+        match self.settings.mutation {
+            Mutation::Polynomial => {
+                let one_gene = 1.0 / self.bounds.genes() as f64;
+                let probability = self.settings.mutation_probability.unwrap_or(one_gene);
+                let eta = self.settings.mutation_eta;
+                polynomial_mutation(parent, &self.bounds, eta, probability, rng)
+            }
+            Mutation::AdaptiveFeasible => {
+                adaptive_feasible_mutation(parent, &self.bounds, self.adaptation.step, rng)
+            }
+        }
     }
 }
 
@@ -470,8 +542,10 @@ mod tests {
         let mut run = start(&zdt1(), settings(5));
         step(&zdt1(), &mut run);
         type Damage = fn(&mut Checkpoint);
-        let damages: [(Damage, &str); 9] = [
-            (|c| c.format = 2, "format is 2"),
+        let damages: [(Damage, &str); 11] = [
+            (|c| c.format = 1, "format is 1"),
+            (|c| c.adaptation.step = 2.0, "its step is 2"),
+            (|c| c.adaptation.spread = f64::NAN, "its spread NaN"),
             (|c| c.settings.population = 2, "`population` is 2"),
             (|c| c.settings.population = 50, "60 individuals after 1 generations, not 50"),
             (|c| c.generation = 0, "60 individuals after 0 generations, not 0"),

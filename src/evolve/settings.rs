@@ -16,12 +16,20 @@ pub struct Nsga2Settings {
     pub breeding: Breeding,
     /// How two parents are mixed.
     pub crossover: Crossover,
+    /// How one parent is changed.
+    pub mutation: Mutation,
+    /// Who lives on.
+    pub survival: Survival,
+    /// Share of the places left that a front may take, the best front first, for `controlled`.
+    pub pareto_fraction: f64,
     /// Spread of the simulated binary crossover: the larger, the nearer a child is to its parents.
     pub crossover_eta: f64,
     /// Spread of the polynomial mutation: the larger, the nearer a child is to its parent.
     pub mutation_eta: f64,
     /// Probability that a gene mutates, in a child that does; one gene in the genome when not given.
     pub mutation_probability: Option<f64>,
+    /// Reads the two shares below as MATLAB's `CrossoverFraction`: as shares of children that are mixed, not mutated.
+    pub matlab_literal: bool,
     /// Share of children made by mutation before the switch, for `crossover_or_mutation`.
     pub mutation_share_before: f64,
     /// Share of children made by mutation from the switch on, for `crossover_or_mutation`.
@@ -56,6 +64,26 @@ pub enum Crossover {
     Intermediate,
 }
 
+/// How one parent is changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mutation {
+    /// Some genes, each by a polynomially distributed step.
+    Polynomial,
+    /// All genes, by one step in a random direction, as long as the front's spread tells.
+    AdaptiveFeasible,
+}
+
+/// Who lives on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Survival {
+    /// The best fronts, whole as far as they fit: Deb et al. (2002).
+    Elitist,
+    /// Only a share of each front, so that dominated designs keep the search diverse: Deb and Goel (2001).
+    Controlled,
+}
+
 impl Default for Nsga2Settings {
     fn default() -> Self {
         Self {
@@ -64,10 +92,15 @@ impl Default for Nsga2Settings {
             seed: 1,
             breeding: Breeding::CrossoverOrMutation,
             crossover: Crossover::Sbx,
+            mutation: Mutation::Polynomial,
+            survival: Survival::Elitist,
+            // MATLAB's `ParetoFraction`.
+            pareto_fraction: 0.35,
             // The values with which Deb et al. (2002), section V, solve their real-coded problems.
             crossover_eta: 20.0,
             mutation_eta: 20.0,
             mutation_probability: None,
+            matlab_literal: false,
             mutation_share_before: 0.8,
             mutation_share_after: 0.2,
             switch_generation: 20,
@@ -106,6 +139,10 @@ impl Nsga2Settings {
         eta("crossover_eta", self.crossover_eta)?;
         eta("mutation_eta", self.mutation_eta)?;
         probability("mutation_probability", self.mutation_probability.unwrap_or(0.0))?;
+        check(self.pareto_fraction > 0.0 && self.pareto_fraction <= 1.0, || {
+            let value = self.pareto_fraction;
+            format!("`pareto_fraction` is {value}, but it must lie above 0 and not above 1")
+        })?;
         probability("mutation_share_before", self.mutation_share_before)?;
         probability("mutation_share_after", self.mutation_share_after)?;
         probability("crossover_probability", self.crossover_probability)
@@ -119,6 +156,7 @@ impl Nsga2Settings {
         } else {
             self.mutation_share_after
         };
+        let share = if self.matlab_literal { 1.0 - share } else { share };
         (share * self.population as f64).round() as usize
     }
 }
@@ -158,6 +196,8 @@ mod tests {
             ("mutation_eta = nan", "mutation_eta"),
             ("mutation_eta = inf", "mutation_eta"),
             ("mutation_probability = 1.1", "mutation_probability"),
+            ("pareto_fraction = 0.0", "pareto_fraction"),
+            ("pareto_fraction = nan", "pareto_fraction"),
             ("mutation_share_before = -0.1", "mutation_share_before"),
             ("mutation_share_after = nan", "mutation_share_after"),
             ("crossover_probability = 2", "crossover_probability"),
@@ -175,5 +215,7 @@ mod tests {
         assert_eq!(settings.mutants(19), 48);
         assert_eq!(settings.mutants(20), 12);
         assert_eq!(settings.mutants(39), 12);
+        let literal = Nsga2Settings { matlab_literal: true, ..settings };
+        assert_eq!([19, 20].map(|generation| literal.mutants(generation)), [12, 48]);
     }
 }
