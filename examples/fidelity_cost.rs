@@ -42,7 +42,7 @@ const PARTS: [Part; 2] = [
 const SHELLS: [(&str, &str); 2] =
     [("loop", "shell, Loop subdivision"), ("mid-edge", "shell, mid-edge")];
 const SHELL_EDGES: [f64; 5] = [5.0, 4.0, 3.0, 2.0, 1.5];
-const SOLID_EDGES: [f64; 4] = [6.0, 4.0, 3.0, 2.0];
+const SOLID_EDGES: [f64; 4] = [5.0, 4.0, 3.0, 2.0];
 const FINEST_EDGE: f64 = 1.4;
 /// Of the surface that solids stand around, mm.
 const MIDDLE_EDGE: f64 = 1.5;

@@ -4,17 +4,21 @@
 //! time, reports each as it ends, and turns a panic inside one into that item's outcome.
 //! It is not a cache, knows no time limits, and never repeats an item.
 
+mod farm;
 mod serial;
 mod threads;
 
 use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use serde::{Deserialize, Serialize};
+
+use crate::solve::{SolverFailure, confined};
+pub use farm::{Farm, Mailbox, serve};
 pub use serial::Serial;
 pub use threads::{Threads, ThreadsUnavailable};
 
 /// An evaluation that panicked: a defect of the program, confined to one item.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[error("the evaluation panicked: {message}")]
 pub struct Panicked {
     /// The panic's message.
@@ -24,10 +28,16 @@ pub struct Panicked {
 /// What became of one item.
 pub type Outcome<Output> = Result<Output, Panicked>;
 
-/// The observer asked for the batch to be given up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the batch was stopped by its observer")]
-pub struct Stopped;
+/// A batch has no outcomes.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Stopped {
+    /// The observer asked for it to be given up.
+    #[error("the batch was stopped by its observer")]
+    ByObserver,
+    /// Processes can no longer talk.
+    #[error(transparent)]
+    Lost(#[from] SolverFailure),
+}
 
 /// What an observer wants after an item has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +76,7 @@ fn guarded<Item, Output>(
     item: &Item,
     evaluate: &(dyn Fn(&Item) -> Output + Sync),
 ) -> Outcome<Output> {
-    catch_unwind(AssertUnwindSafe(|| evaluate(item)))
+    confined(|| evaluate(item))
         .map_err(|payload| Panicked { message: panic_message(payload.as_ref()) })
 }
 
@@ -145,6 +155,6 @@ mod suite {
             reports += 1;
             if reports == 3 { Next::Stop } else { Next::Continue }
         });
-        assert_eq!((outcomes, reports), (Err(Stopped), 3));
+        assert_eq!((outcomes, reports), (Err(Stopped::ByObserver), 3));
     }
 }

@@ -17,7 +17,7 @@ impl<Item, Output> Executor<Item, Output> for Serial {
         for (index, item) in items.iter().enumerate() {
             let outcome = guarded(item, evaluate);
             if finished(index, &outcome) == Next::Stop {
-                return Err(Stopped);
+                return Err(Stopped::ByObserver);
             }
             outcomes.push(outcome);
         }

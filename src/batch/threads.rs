@@ -6,8 +6,8 @@
 //! For this every thread is a pool of its own: in one shared pool, `rayon` lets a waiting thread steal.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
+use std::sync::mpsc::{self, Sender};
+use std::thread::{self, Scope};
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
@@ -42,6 +42,29 @@ impl Threads {
         Ok(Self { pools })
     }
 
+    /// Lets each thread evaluate, and send, the `next` of the `items` until none is left or nobody listens.
+    pub(super) fn start<'scope, Item: Sync, Output: Send + 'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        items: &'scope [Item],
+        evaluate: &'scope (dyn Fn(&Item) -> Output + Sync),
+        next: &'scope AtomicUsize,
+        sender: &Sender<(usize, Outcome<Output>)>,
+    ) {
+        for pool in self.pools.iter().take(items.len()) {
+            let sender = sender.clone();
+            let work = move || {
+                while let Some((index, item)) = take(items, next) {
+                    // Nobody listens after a stop.
+                    if sender.send((index, guarded(item, evaluate))).is_err() {
+                        break;
+                    }
+                }
+            };
+            scope.spawn(|| pool.install(work));
+        }
+    }
+
     /// The number of threads.
     #[must_use]
     pub fn count(&self) -> usize {
@@ -65,22 +88,11 @@ impl<Item: Sync, Output: Send> Executor<Item, Output> for Threads {
         let mut outcomes: Vec<Option<Outcome<Output>>> = items.iter().map(|_| None).collect();
         thread::scope(|scope| {
             let (sender, receiver) = mpsc::channel();
-            for pool in self.pools.iter().take(items.len()) {
-                let (sender, next) = (sender.clone(), &next);
-                let work = move || {
-                    while let Some((index, item)) = take(items, next) {
-                        // Nobody listens after a stop.
-                        if sender.send((index, guarded(item, evaluate))).is_err() {
-                            break;
-                        }
-                    }
-                };
-                scope.spawn(|| pool.install(work));
-            }
+            self.start(scope, items, evaluate, &next, &sender);
             drop(sender);
             for (index, outcome) in receiver {
                 if finished(index, &outcome) == Next::Stop {
-                    return Err(Stopped);
+                    return Err(Stopped::ByObserver);
                 }
                 outcomes[index] = Some(outcome);
             }
@@ -94,7 +106,7 @@ impl<Item: Sync, Output: Send> Executor<Item, Output> for Threads {
 }
 
 /// The next item that nobody has taken, with its index.
-fn take<'a, Item>(items: &'a [Item], next: &AtomicUsize) -> Option<(usize, &'a Item)> {
+pub(super) fn take<'a, Item>(items: &'a [Item], next: &AtomicUsize) -> Option<(usize, &'a Item)> {
     let index = next.fetch_add(1, Ordering::Relaxed);
     items.get(index).map(|item| (index, item))
 }

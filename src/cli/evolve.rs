@@ -1,64 +1,102 @@
 //! `evolve`: the search, one generation after the other, each saved before the next begins.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::design_folder::{write_path, write_surface};
+use super::evaluations::{Evaluator, Generation, Unfinished, serve_candidates};
 use super::material::instability;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState};
 use super::solid_front::SolidFront;
 use super::solid_part::SolidSection;
 use super::{certify, say, warn};
-use crate::batch::{Executor, Next, Panicked, Threads};
-use crate::evolve::{Candidate, Evaluation, Individual, Nsga2, hypervolume};
-use crate::fitness::{CandidateSettings, Outcome, StageSeconds, evaluate_network};
+use crate::batch::{Executor, Farm, Next, Threads};
+use crate::evolve::{Evaluation, Individual, Nsga2, hypervolume};
+use crate::fitness::{CandidateSettings, Outcome, evaluate_network};
 use crate::genome::Genome;
 use crate::io::{atomic, csv};
-use crate::math::{Rejected, Room};
-use crate::solve::{Backend, SolverFailure};
+use crate::solve::{Backend, Job};
 
 /// Both objectives are made large: the search minimises their negatives, which this reference bounds.
 const REFERENCE: [f64; 2] = [0.0, 0.0];
 
-/// Runs the search of the run file at `path` in the folder `out`.
-pub(super) fn run(
-    path: &Path,
-    out: &Path,
-    resume: bool,
-    threads: usize,
-    solver: Option<Backend>,
-) -> anyhow::Result<()> {
+/// How a search is run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Manner {
+    pub resume: bool,
+    /// Of each process; 0 is one for each core, or one where there are several processes.
+    pub threads: usize,
+    pub solver: Option<Backend>,
+    /// After which no candidate is begun.
+    pub time_limit: Option<Duration>,
+    pub job: Job,
+}
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ending {
+    Finished,
+    /// What has ended is saved, and `--resume` goes on.
+    OutOfTime,
+}
+
+/// Runs the search of the run file at `path` in the folder `out`; the processes of the job but the first only evaluate.
+pub(super) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<Ending> {
+    let Manner { resume, solver, time_limit, job, .. } = *manner;
+    let deadline = time_limit.map(|limit| Instant::now() + limit);
     let run = RunFile::read(path, solver)?;
+    ensure!(
+        job.ranks == 1 || run.solver.backend == Backend::Native,
+        "several processes evaluate with the solver native; PETSc would solve each candidate on all of them"
+    );
+    if !job.is_first() {
+        serve_candidates(job, &run.candidate_settings()?)?;
+        return Ok(Ending::Finished);
+    }
     run.solid.iter().try_for_each(SolidSection::check_programs)?;
     instability(&run.material.material()?).iter().for_each(|line| warn(line));
-    // PETSc solves one system at a time in a process: more threads would only wait.
-    let threads = if run.solver.backend == Backend::Petsc && threads != 1 {
-        say("petsc evaluates one candidate at a time; native would use every core");
-        1
-    } else {
-        threads
+    let threads = Threads::new(manner.threads(&run))?;
+    let farm = (job.ranks > 1).then(|| Farm::new(job, &threads));
+    let evaluator: &Evaluator<'_> = match &farm {
+        Some(farm) => farm,
+        None => &threads,
     };
-    let executor = Threads::new(threads)?;
     let mut search = Search::begin(&run, out, resume)?;
     while !search.nsga2.is_finished() {
-        search.advance(&executor)?;
+        match search.advance(evaluator, deadline) {
+            Ok(()) => {}
+            Err(Unfinished::OutOfTime) => return Ok(search.out_of_time()),
+            Err(Unfinished::Failed(error)) => return Err(error),
+        }
     }
     let table = search.folder.write_results(&search.nsga2, &search.history, &search.records)?;
-    search.write_front_members(&executor)?;
+    search.write_front_members(&threads)?;
     say(&table);
     if let Some(section) = &run.solid {
-        search.certify_front(section, &executor)?;
+        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            return Ok(search.out_of_time());
+        }
+        search.certify_front(section, &threads)?;
     }
     say(&search.rejection_summary());
     say(&format!("figures, front and designs are in {}", out.display()));
-    Ok(())
+    Ok(Ending::Finished)
 }
 
-/// What an executor returns for one candidate.
-type Finished = Result<Result<Record, SolverFailure>, Panicked>;
+impl Manner {
+    fn threads(&self, run: &RunFile) -> usize {
+        if run.solver.backend == Backend::Petsc && self.threads != 1 {
+            // PETSc solves one system at a time in a process: more threads would only wait.
+            say("petsc evaluates one candidate at a time; native would use every core");
+            return 1;
+        }
+        if self.threads == 0 && self.job.ranks > 1 { 1 } else { self.threads }
+    }
+}
 
 /// A run between two generations.
 struct Search {
@@ -103,53 +141,38 @@ impl Search {
         Ok(Self { settings, nsga2, history, records, folder })
     }
 
-    fn advance(&mut self, executor: &Threads) -> anyhow::Result<()> {
+    fn advance(
+        &mut self,
+        evaluator: &Evaluator<'_>,
+        deadline: Option<Instant>,
+    ) -> Result<(), Unfinished> {
         let candidates = self.nsga2.ask();
-        let records = self.evaluate(&candidates, executor)?;
+        let generation = Generation {
+            candidates: &candidates,
+            number: self.nsga2.generation(),
+            generations: self.nsga2.settings().generations,
+            records: &self.records,
+            settings: &self.settings,
+            folder: &self.folder,
+            deadline,
+        };
+        let records = generation.evaluate(evaluator)?;
         self.nsga2.tell(records.iter().map(evaluation).collect());
         self.folder.append(&records)?;
         self.history.push(self.history_row(&records));
         self.records.extend(records);
         let state = RunState { search: self.nsga2.checkpoint(), history: self.history.clone() };
         self.folder.save(&state)?;
-        Ok(())
+        Ok(self.folder.clear_running()?)
     }
 
-    fn evaluate(
-        &self,
-        candidates: &[Candidate],
-        executor: &Threads,
-    ) -> anyhow::Result<Vec<Record>> {
-        let generation = self.nsga2.generation();
-        let bar = progress_bar(generation, self.nsga2.settings().generations, candidates.len());
-        let mut failed = false;
-        let outcomes = executor.evaluate(
-            candidates,
-            &|candidate: &Candidate| evaluate_candidate(candidate, &self.settings),
-            &mut |_, outcome| {
-                bar.inc(1);
-                failed |= matches!(outcome, Ok(Err(_)));
-                if failed { Next::Stop } else { Next::Continue }
-            },
-        );
-        bar.finish_and_clear();
-        let outcomes = outcomes
-            .map_err(|_| anyhow!("a solver library failed; the generations before are saved"))?;
-        let record = |(candidate, outcome): (&Candidate, Finished)| match outcome {
-            Ok(finished) => finished.map_err(anyhow::Error::from),
-            Err(panicked) => Ok(Record {
-                id: candidate.id,
-                genome: candidate.genome.clone(),
-                outcome: Outcome::Rejected(Rejected::new(
-                    Room::Genome,
-                    "program_defect",
-                    panicked.to_string(),
-                    f64::MAX,
-                )),
-                cpu_seconds: StageSeconds::default(),
-            }),
-        };
-        candidates.iter().zip(outcomes).map(record).collect()
+    fn out_of_time(&self) -> Ending {
+        say(&format!(
+            "the time is over after {} of {} generations; what has ended is saved, and --resume goes on",
+            self.nsga2.generation(),
+            self.nsga2.settings().generations
+        ));
+        Ending::OutOfTime
     }
 
     fn history_row(&self, records: &[Record]) -> HistoryRow {
@@ -169,6 +192,7 @@ impl Search {
             hypervolume: hypervolume(&objectives, REFERENCE),
             best_bending: best(0),
             best_blocking: best(1),
+            spread: self.nsga2.spread(),
         };
         say(&format!(
             "generation {:3} of {}: {:3} of {} feasible, {:2} on the front, best F_c {:.4}, best F_bf {:.5} N/kPa, hypervolume {:.4e}",
@@ -266,21 +290,6 @@ impl Search {
     }
 }
 
-fn evaluate_candidate(
-    candidate: &Candidate,
-    settings: &CandidateSettings,
-) -> Result<Record, SolverFailure> {
-    let genome =
-        Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
-    let evaluated = evaluate_network(&genome.decode(), settings)?;
-    Ok(Record {
-        id: candidate.id,
-        genome: candidate.genome.clone(),
-        outcome: evaluated.outcome,
-        cpu_seconds: evaluated.seconds,
-    })
-}
-
 fn evaluation(record: &Record) -> Evaluation {
     match &record.outcome {
         Outcome::Evaluated(e) => Evaluation::feasible(vec![-e.bending, -e.blocking]),
@@ -288,7 +297,11 @@ fn evaluation(record: &Record) -> Evaluation {
     }
 }
 
-fn progress_bar(generation: usize, generations: usize, candidates: usize) -> ProgressBar {
+pub(super) fn progress_bar(
+    generation: usize,
+    generations: usize,
+    candidates: usize,
+) -> ProgressBar {
     let style =
         ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} [{elapsed}, {eta} left]");
     let bar = ProgressBar::new(candidates as u64);

@@ -4,6 +4,7 @@ mod certify;
 mod closed_part;
 mod contact_rows;
 mod design_folder;
+mod evaluations;
 mod evolve;
 mod formula;
 mod material;
@@ -35,6 +36,7 @@ mod watch_curve;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -69,6 +71,10 @@ enum Command {
         /// Candidates evaluated at once; 0 is one for each core. The results do not depend on it.
         #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
         threads: usize,
+        /// Stop cleanly after this time, such as 55m or 1h30m: no candidate is begun later, the exit code is 3, and --resume
+        /// goes on.
+        #[arg(long, value_parser = humantime::parse_duration)]
+        time_limit: Option<Duration>,
         /// The solver, instead of the run file's.
         #[arg(long)]
         solver: Option<SolverName>,
@@ -242,7 +248,7 @@ impl From<SolverName> for Backend {
 }
 
 /// Runs the program on the process's arguments; the exit code is 0 when done, 1 when the machine or the input
-/// failed, 2 for wrong usage.
+/// failed, 2 for wrong usage, 3 when a search stopped at its time limit.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -257,7 +263,7 @@ pub fn run() -> ExitCode {
         }
     };
     match dispatch(arguments.command, job) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             warn(&one_line(&error));
             job.abort();
@@ -291,10 +297,17 @@ fn answer(usage: &clap::Error) -> ExitCode {
     if usage.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
 }
 
-fn dispatch(command: Command, job: Job) -> anyhow::Result<()> {
-    let is_shared = matches!(command, Command::Simulate { print_defaults: false, .. });
-    anyhow::ensure!(job.ranks == 1 || is_shared, "only `simulate` runs on several ranks");
-    match command {
+fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
+    let is_shared = matches!(
+        command,
+        Command::Simulate { print_defaults: false, .. }
+            | Command::Evolve { print_defaults: false, .. }
+    );
+    anyhow::ensure!(
+        job.ranks == 1 || is_shared,
+        "only `simulate` and `evolve` run on several ranks"
+    );
+    let done = match command {
         Command::Evolve { print_defaults: true, .. } => {
             say(&run_file::defaults());
             Ok(())
@@ -303,9 +316,14 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<()> {
             say(&scene_file::defaults());
             Ok(())
         }
-        Command::Evolve { run, out, resume, threads, solver, .. } => {
+        Command::Evolve { run, out, resume, threads, time_limit, solver, .. } => {
             let (run, out) = (given(run), given(out));
-            evolve::run(&run, &out, resume, threads, solver.map(Backend::from))
+            let solver = solver.map(Backend::from);
+            let manner = evolve::Manner { resume, threads, solver, time_limit, job };
+            return match evolve::run(&run, &out, &manner)? {
+                evolve::Ending::Finished => Ok(ExitCode::SUCCESS),
+                evolve::Ending::OutOfTime => Ok(ExitCode::from(OUT_OF_TIME)),
+            };
         }
         Command::Simulate { scene, out, solver, json, threads, .. } => on_threads(threads, || {
             simulate::run(&given(scene), &given(out), solver.map(Backend::from), json, job)
@@ -325,8 +343,12 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<()> {
             on_threads(1, || verify_stability::run(&selection, out.as_deref()))
         }
         Command::Report { run } => report::run(&run),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
+
+/// The exit code of a search that stopped at its time limit.
+const OUT_OF_TIME: u8 = 3;
 
 /// Does `work` on this thread, whose parallel loops run on so many threads, itself included.
 fn on_threads(

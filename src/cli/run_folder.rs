@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! run.toml  provenance.json  checkpoints/  candidates.jsonl  history.csv
+//! running.jsonl                of a run that goes on, or was killed
 //! front.csv  front.svg  front.png  history.svg  history.png
 //! solid/  front_solid.csv      of a run with a [solid] section
 //! front/<id>/  genome.toml  surface.stl  path.csv  path_blocked.csv  *.vtu  *.pvd
@@ -42,6 +43,7 @@ pub(super) struct HistoryRow {
     pub hypervolume: f64,
     pub best_bending: f64,
     pub best_blocking: f64,
+    pub spread: f64,
 }
 
 /// What a checkpoint holds.
@@ -56,6 +58,9 @@ const PNG_SCALE: f32 = 2.0;
 
 /// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
 const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force\n";
+
+/// The records of the generation that is being evaluated, as they end.
+const RUNNING: &str = "running.jsonl";
 
 /// The front of the solids.
 const SOLID_FRONT: &str = "front_solid.csv";
@@ -149,6 +154,25 @@ impl RunFolder {
         let records = self.records(generation)?;
         jsonl::write(&self.file("candidates.jsonl"), &records)?;
         Ok(records)
+    }
+
+    /// What a killed run has finished of `generation`.
+    pub(super) fn running(&self, generation: usize) -> anyhow::Result<Vec<Record>> {
+        let path = self.file(RUNNING);
+        let mut records: Vec<Record> = if path.exists() { jsonl::read(&path)? } else { Vec::new() };
+        records.retain(|record| record.id.generation == generation);
+        Ok(records)
+    }
+
+    /// The log of the generation that is being evaluated.
+    pub(super) fn running_log(&self) -> anyhow::Result<jsonl::JsonLog> {
+        Ok(jsonl::JsonLog::open(&self.file(RUNNING))?)
+    }
+
+    /// Forgets that log: its generation is in a checkpoint.
+    pub(super) fn clear_running(&self) -> anyhow::Result<()> {
+        let path = self.file(RUNNING);
+        std::fs::remove_file(&path).with_context(|| path.display().to_string())
     }
 
     pub(super) fn append(&self, records: &[Record]) -> anyhow::Result<()> {

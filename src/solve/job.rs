@@ -1,5 +1,9 @@
 //! This process among those that `mpirun` started together.
 
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread;
+
 use super::SolverFailure;
 
 /// The processes that solve one problem together, all of them running the same program.
@@ -48,6 +52,66 @@ impl Job {
     pub fn is_first(self) -> bool {
         self.rank == 0
     }
+}
+
+/// Bytes that one process tells another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// To whom it goes, or from whom it came.
+    pub rank: usize,
+    /// What the bytes are; not negative.
+    pub kind: i32,
+    /// As they were sent.
+    pub bytes: Vec<u8>,
+}
+
+/// Sending and receiving do not block for short messages; those between two processes stay in order.
+#[cfg_attr(not(feature = "petsc"), expect(clippy::unused_self, reason = "there is one process"))]
+impl Job {
+    /// Sends a message to another process.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when MPI fails.
+    pub fn send(self, message: &Message) -> Result<(), SolverFailure> {
+        #[cfg(feature = "petsc")]
+        return super::petsc::send(message);
+        #[cfg(not(feature = "petsc"))]
+        unreachable!("there is no process to send {message:?} to");
+    }
+
+    /// The next message from another process, if one waits.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when MPI fails.
+    pub fn receive(self) -> Result<Option<Message>, SolverFailure> {
+        #[cfg(feature = "petsc")]
+        return super::petsc::receive();
+        #[cfg(not(feature = "petsc"))]
+        Ok(None)
+    }
+}
+
+thread_local! {
+    /// A panic of this thread is caught, and no other process waits for it.
+    static CONFINED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `body` so that a panic in it ends neither this process nor the others of its job.
+///
+/// # Errors
+/// The panic's payload.
+pub fn confined<Output>(body: impl FnOnce() -> Output) -> thread::Result<Output> {
+    let before = CONFINED.replace(true);
+    // The caller drops what the body has left half done.
+    let outcome = catch_unwind(AssertUnwindSafe(body));
+    CONFINED.set(before);
+    outcome
+}
+
+/// Whether a panic of this thread is caught by [`confined`].
+#[cfg(feature = "petsc")]
+pub(super) fn is_confined() -> bool {
+    CONFINED.get()
 }
 
 /// How many processes there are, in the environment that Open MPI's launcher sets, and in that of MPICH's.

@@ -39,7 +39,7 @@ use crate::model::system::System;
 pub use backend::{Backend, LinearMethod};
 pub use ending::Ending;
 pub use hermite::{Cubic, Segment};
-pub use job::Job;
+pub use job::{Job, Message, confined};
 pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use native::NativeSolver;
 pub use path::{Path, PathPoint, PathSettings, Programme, follow};
@@ -99,7 +99,7 @@ pub struct NewtonReport {
 }
 
 /// The solver library itself failed (not the design).
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{library} failed: {message}")]
 pub struct SolverFailure {
     /// Which library.

@@ -17,6 +17,15 @@ int petsc_sys_all(MPI_Comm comm, int mine);
 /* Whether `mine` is the same on every rank of `comm`; collective. */
 int petsc_sys_same(MPI_Comm comm, long mine);
 
+/* Sends `length` bytes to a rank of `comm`; an error code of MPI. */
+int petsc_sys_send(MPI_Comm comm, const void *bytes, int length, int to, int tag);
+
+/* Whether a message waits; if so, whose, with what tag and how many bytes. */
+int petsc_sys_probe(MPI_Comm comm, int *from, int *tag, int *length);
+
+/* Receives a message that waits; an error code of MPI. */
+int petsc_sys_receive(MPI_Comm comm, void *bytes, int length, int from, int tag);
+
 /* MPI_THREAD_SERIALIZED. */
 int petsc_sys_thread_serialized(void);
 

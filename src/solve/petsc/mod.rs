@@ -26,6 +26,7 @@ use std::ops::Range;
 use self::library::{Driver, Newton, Session};
 use self::shared::Shared;
 use self::tangent::{Plan, Tangent};
+use super::job::Message;
 use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
 use super::{
@@ -135,6 +136,16 @@ fn digest(pattern: &SparsityPattern) -> u32 {
 /// The number of this process among those of its job, and how many these are; starts PETSc.
 pub(super) fn rank() -> Result<(usize, usize), SolverFailure> {
     Ok(Session::open()?.rank())
+}
+
+/// Sends bytes to another process of the job.
+pub(super) fn send(message: &Message) -> Result<(), SolverFailure> {
+    Session::open()?.send(message)
+}
+
+/// What another process of the job has sent, if anything waits.
+pub(super) fn receive() -> Result<Option<Message>, SolverFailure> {
+    Session::open()?.receive()
 }
 
 /// Ends all processes of the job.

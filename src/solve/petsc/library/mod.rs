@@ -27,6 +27,7 @@ mod exchange;
 mod factor;
 mod iteration;
 mod matrix;
+mod messages;
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -157,12 +158,14 @@ fn start() -> Result<(), SolverFailure> {
     Ok(())
 }
 
-/// Ends all ranks where one panics: the others would wait for it for ever.
+/// Ends all ranks where one panics, unless the panic is confined: the others would wait for it for ever.
 fn abort_on_panic() {
     let say = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         say(panic);
-        abort();
+        if !crate::solve::job::is_confined() {
+            abort();
+        }
     }));
 }
 

@@ -1,0 +1,184 @@
+//! The candidates of a generation become records: looked up, taken from a killed run, or evaluated.
+//!
+//! A record is on the disk as soon as its candidate has ended, so that a run killed in the middle of a generation loses only what was
+//! being computed. A genome met before is not evaluated again: its outcome is a function of it.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use anyhow::anyhow;
+use serde::{Deserialize, Serialize};
+
+use super::evolve::progress_bar;
+use super::run_folder::{Record, RunFolder};
+use crate::batch::{Executor, Next, Outcome as Ended, Stopped, serve};
+use crate::evolve::Candidate;
+use crate::fitness::{CandidateSettings, Outcome, StageSeconds, evaluate_network};
+use crate::genome::Genome;
+use crate::math::{Rejected, Room};
+use crate::solve::Job;
+
+/// What an evaluation gives: how the design did, or why the machine failed.
+pub(super) type Evaluated = Result<Finished, String>;
+
+/// What became of a genome, and what that cost.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Finished {
+    outcome: Outcome,
+    cpu_seconds: StageSeconds,
+}
+
+/// Evaluates candidates, wherever that is.
+pub(super) type Evaluator<'a> = dyn Executor<Candidate, Evaluated> + 'a;
+
+/// Why there are no records.
+pub(super) enum Unfinished {
+    OutOfTime,
+    Failed(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Unfinished {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+/// Evaluates what the first process of the `job` sends.
+pub(super) fn serve_candidates(job: Job, settings: &CandidateSettings) -> anyhow::Result<()> {
+    Ok(serve(&job, &|candidate: &Candidate| evaluate(candidate, settings))?)
+}
+
+fn evaluate(candidate: &Candidate, settings: &CandidateSettings) -> Evaluated {
+    let genome =
+        Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
+    let evaluated = evaluate_network(&genome.decode(), settings).map_err(|e| e.to_string())?;
+    Ok(Finished { outcome: evaluated.outcome, cpu_seconds: evaluated.seconds })
+}
+
+/// What is known of genomes, by their bits.
+#[derive(Default)]
+struct Known(BTreeMap<Vec<u64>, Outcome>);
+
+impl Known {
+    fn bits(genome: &[f64]) -> Vec<u64> {
+        genome.iter().map(|gene| gene.to_bits()).collect()
+    }
+
+    fn of<'a>(records: impl Iterator<Item = &'a Record>) -> Self {
+        Self(records.map(|r| (Self::bits(&r.genome), r.outcome.clone())).collect())
+    }
+}
+
+/// The generation that a search is about to evaluate.
+pub(super) struct Generation<'a> {
+    pub candidates: &'a [Candidate],
+    /// Its number, and how many there will be.
+    pub number: usize,
+    pub generations: usize,
+    /// Of the generations before.
+    pub records: &'a [Record],
+    pub settings: &'a CandidateSettings,
+    pub folder: &'a RunFolder,
+    /// No candidate is begun after it.
+    pub deadline: Option<Instant>,
+}
+
+impl Generation<'_> {
+    /// The records of the candidates, in their order.
+    pub(super) fn evaluate(&self, evaluator: &Evaluator<'_>) -> Result<Vec<Record>, Unfinished> {
+        let mut running: BTreeMap<_, _> = self
+            .folder
+            .running(self.number)?
+            .into_iter()
+            .map(|record| (record.id, record))
+            .collect();
+        running.retain(|id, record| {
+            self.candidates.iter().any(|c| c.id == *id && c.genome == record.genome)
+        });
+        let mut known = Known::of(self.records.iter().chain(running.values()));
+        let fresh = self.fresh(&known);
+        for record in self.begun(&fresh, evaluator)? {
+            known.0.insert(Known::bits(&record.genome), record.outcome.clone());
+            running.insert(record.id, record);
+        }
+        let record = |candidate: &Candidate| {
+            running.remove(&candidate.id).unwrap_or_else(|| Record {
+                id: candidate.id,
+                genome: candidate.genome.clone(),
+                outcome: known.0[&Known::bits(&candidate.genome)].clone(),
+                cpu_seconds: StageSeconds::default(),
+            })
+        };
+        Ok(self.candidates.iter().map(record).collect())
+    }
+
+    /// The candidates whose genome nobody has met, each once.
+    fn fresh(&self, known: &Known) -> Vec<Candidate> {
+        let mut met: Vec<Vec<u64>> = Vec::new();
+        let mut fresh = Vec::new();
+        for candidate in self.candidates {
+            let bits = Known::bits(&candidate.genome);
+            if !known.0.contains_key(&bits) && !met.contains(&bits) {
+                met.push(bits);
+                fresh.push(candidate.clone());
+            }
+        }
+        fresh
+    }
+
+    /// The records of the `fresh` candidates, each on the disk when it has ended.
+    fn begun(
+        &self,
+        fresh: &[Candidate],
+        evaluator: &Evaluator<'_>,
+    ) -> Result<Vec<Record>, Unfinished> {
+        let mut log = self.folder.running_log()?;
+        let bar = progress_bar(self.number, self.generations, self.candidates.len());
+        bar.inc((self.candidates.len() - fresh.len()) as u64);
+        let (mut failure, mut records) = (None, Vec::new());
+        let is_over = || self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let mut watch = |index: usize, ended: &Ended<Evaluated>| {
+            bar.inc(1);
+            match record(&fresh[index], ended) {
+                Ok(record) => match log.append(&record) {
+                    Ok(()) => records.push(record),
+                    Err(error) => failure = Some(error.into()),
+                },
+                Err(why) => failure = Some(why),
+            }
+            if failure.is_some() || is_over() { Next::Stop } else { Next::Continue }
+        };
+        let settings = self.settings;
+        let outcomes =
+            evaluator.evaluate(fresh, &|candidate| evaluate(candidate, settings), &mut watch);
+        bar.finish_and_clear();
+        if let Some(failure) = failure {
+            return Err(Unfinished::Failed(failure));
+        }
+        match outcomes {
+            Ok(_) => Ok(records),
+            Err(Stopped::ByObserver) => Err(Unfinished::OutOfTime),
+            Err(lost @ Stopped::Lost(_)) => Err(lost.into()),
+        }
+    }
+}
+
+fn record(candidate: &Candidate, ended: &Ended<Evaluated>) -> anyhow::Result<Record> {
+    let finished = match ended {
+        Ok(Ok(finished)) => finished.clone(),
+        Ok(Err(failure)) => {
+            return Err(anyhow!("{failure}; what has ended is saved"));
+        }
+        Err(panicked) => Finished {
+            outcome: Outcome::Rejected(Rejected::new(
+                Room::Genome,
+                "program_defect",
+                panicked.to_string(),
+                f64::MAX,
+            )),
+            cpu_seconds: StageSeconds::default(),
+        },
+    };
+    let Finished { outcome, cpu_seconds } = finished;
+    Ok(Record { id: candidate.id, genome: candidate.genome.clone(), outcome, cpu_seconds })
+}
