@@ -66,7 +66,6 @@ pub struct Message {
 }
 
 /// Sending and receiving do not block for short messages; those between two processes stay in order.
-#[cfg_attr(not(feature = "petsc"), expect(clippy::unused_self, reason = "there is one process"))]
 impl Job {
     /// Sends a message to another process.
     ///

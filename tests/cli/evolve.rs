@@ -80,7 +80,7 @@ fn a_run_writes_what_it_promises() {
     let history = run.read("out/history.csv");
     assert!(
         history.starts_with(
-            "generation,evaluated,feasible,front,hypervolume,best_bending,best_blocking\n"
+            "generation,evaluated,feasible,front,hypervolume,best_bending,best_blocking,spread\n"
         ),
         "{history}"
     );
@@ -152,6 +152,49 @@ fn a_killed_run_goes_on_with_the_same_bits() {
     let out = workshop.succeed(&RESUME);
     assert!(out.starts_with("resumed after generation "), "{out}");
     assert_same_results(&workshop);
+}
+
+/// Three processes on fewer cores: the bits do not depend on who computed what, nor on a kill between two candidates.
+#[cfg(feature = "petsc")]
+#[test]
+fn ranks_give_the_bits_of_threads() {
+    let workshop = Workshop::new();
+    workshop.write("run.toml", RUN);
+    let run = |more: &[&str]| {
+        let mut command = workshop.launched(3, &["evolve", "run.toml", "--out", "out"]);
+        command.args(more).output().unwrap()
+    };
+    let out_of_time = run(&["--time-limit", "1ms"]);
+    assert_eq!(out_of_time.status.code(), Some(3), "{out_of_time:?}");
+    let begun = workshop.read("out/running.jsonl").lines().count();
+    assert!((1..6).contains(&begun), "{begun} of 6 candidates ended before the time was over");
+
+    let resumed = run(&["--resume"]);
+    assert!(resumed.status.success(), "{resumed:?}");
+    assert_same_results(&workshop);
+    assert!(!workshop.path("out/running.jsonl").exists());
+
+    let refused = run(&["--resume", "--solver", "petsc"]);
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success() && said.contains("with the solver native"), "{said}");
+}
+
+/// What a killed run has finished of a generation is taken from its log: here a record that says what it cost, 4,000,000 s.
+#[test]
+fn what_a_killed_run_has_finished_is_not_evaluated_again() {
+    let workshop = Workshop::new();
+    workshop.write("run.toml", RUN);
+    std::fs::create_dir(workshop.path("out")).unwrap();
+    workshop.write("out/run.toml", finished().read("out/run.toml"));
+    let log = finished().read("out/candidates.jsonl");
+    let mut record: serde_json::Value = serde_json::from_str(log.lines().nth(1).unwrap()).unwrap();
+    record["cpu_seconds"]["rest"] = 4e6.into();
+    workshop.write("out/running.jsonl", format!("{record}\n{}", &log[..50]));
+    workshop.succeed(&RESUME);
+    assert_same_results(&workshop);
+    let kept = workshop.read("out/candidates.jsonl");
+    let kept: serde_json::Value = serde_json::from_str(kept.lines().nth(1).unwrap()).unwrap();
+    assert_eq!(kept, record);
 }
 
 #[test]

@@ -52,6 +52,26 @@ impl Workshop {
         rows.map(|row| row[place].parse().unwrap()).collect()
     }
 
+    /// The program in this folder on several processes, not yet started.
+    #[cfg(feature = "petsc")]
+    pub(crate) fn launched(&self, processes: usize, arguments: &[&str]) -> Command {
+        let mut command = Command::new("mpirun");
+        command
+            .args([
+                "--oversubscribe",
+                "-n",
+                &processes.to_string(),
+                env!("CARGO_BIN_EXE_pneumorph"),
+            ])
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .envs(
+                ["OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"]
+                    .map(|name| (name, "1")),
+            );
+        command
+    }
+
     /// The program in this folder, not yet started.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pneumorph"));
