@@ -25,9 +25,9 @@ pub use crowding::crowding_distances;
 pub use dominance::{dominates, fronts};
 pub use hypervolume::hypervolume;
 pub use individual::{Candidate, Evaluation, Individual, IndividualId, InvalidId};
-pub use nsga2::{Adaptation, Checkpoint, InvalidCheckpoint, Nsga2};
+pub use nsga2::{Checkpoint, InvalidCheckpoint, Nsga2};
 pub use settings::{Breeding, Crossover, InvalidSettings, Mutation, Nsga2Settings, Survival};
-pub use spread::spread;
+pub use spread::{Adaptation, spread};
 pub use variation::{
     adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
     uniform_genome,

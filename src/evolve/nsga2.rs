@@ -16,7 +16,7 @@ use super::bounds::Bounds;
 use super::individual::{Candidate, Evaluation, Individual, IndividualId};
 use super::selection::{Ranking, controlled_survivors, survivors};
 use super::settings::{Breeding, Crossover, InvalidSettings, Mutation, Nsga2Settings, Survival};
-use super::spread::spread;
+use super::spread::{Adaptation, spread};
 use super::variation::{
     adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
     uniform_genome,
@@ -34,37 +34,6 @@ pub struct Nsga2 {
     /// Empty before the first generation is told, then of the size that the settings say.
     population: Vec<Individual>,
     adaptation: Adaptation,
-}
-
-/// What a run remembers of the generation before, for mutations that adapt.
-///
-/// ```text
-/// step: 1 up to generation 2, then four times longer when the spread rose (1 at most), or a quarter when it fell (sqrt(eps) at least)
-/// ```
-/// Source: MATLAB's `mutationadaptfeasible`, as described by its users.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Adaptation {
-    /// Of a mutation, in widths of the bounds.
-    pub step: f64,
-    /// Of the last front, 0 before the first.
-    pub spread: f64,
-}
-
-impl Adaptation {
-    const FIRST: Self = Self { step: 1.0, spread: 0.0 };
-
-    /// After `generation` has ended with a front of this `spread`.
-    fn next(self, generation: usize, spread: f64) -> Self {
-        let step = if generation < 2 || spread == self.spread {
-            self.step
-        } else if spread > self.spread {
-            (4.0 * self.step).min(1.0)
-        } else {
-            (0.25 * self.step).max(f64::EPSILON.sqrt())
-        };
-        Self { step, spread }
-    }
 }
 
 /// All that a run needs to go on with the same bits.
@@ -192,10 +161,7 @@ impl Nsga2 {
                 controlled_survivors(merged, count, self.settings.pareto_fraction)
             }
         };
-        let after = self.front_objectives();
-        let [after, before] =
-            [&after, &before].map(|front| front.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let spread = spread(&after, &before);
+        let spread = spread(&self.front_objectives(), &before);
         self.adaptation = self.adaptation.next(self.generation, spread);
         self.generation += 1;
     }
