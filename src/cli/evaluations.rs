@@ -3,7 +3,7 @@
 //! A record is on the disk as soon as its candidate has ended, so that a run killed in the middle of a generation loses only what was
 //! being computed. A genome met before is not evaluated again: its outcome is a function of it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 use anyhow::anyhow;
@@ -114,16 +114,12 @@ impl Generation<'_> {
 
     /// The candidates whose genome nobody has met, each once.
     fn fresh(&self, known: &Known) -> Vec<Candidate> {
-        let mut met: Vec<Vec<u64>> = Vec::new();
-        let mut fresh = Vec::new();
-        for candidate in self.candidates {
+        let mut met = BTreeSet::new();
+        let is_fresh = |candidate: &&Candidate| {
             let bits = Known::bits(&candidate.genome);
-            if !known.0.contains_key(&bits) && !met.contains(&bits) {
-                met.push(bits);
-                fresh.push(candidate.clone());
-            }
-        }
-        fresh
+            !known.0.contains_key(&bits) && met.insert(bits)
+        };
+        self.candidates.iter().filter(is_fresh).cloned().collect()
     }
 
     /// The records of the `fresh` candidates, each on the disk when it has ended.
