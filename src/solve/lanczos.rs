@@ -37,7 +37,7 @@ pub(super) fn lost_directions<E>(
             next.iter_mut().zip(direction).for_each(|(next, d)| *next -= share * d);
         }
         let length = dot(&next, &next).sqrt();
-        if length <= f64::EPSILON * before {
+        if length <= f64::EPSILON * before || are_told(&projected, step, length) {
             break;
         }
         next.iter_mut().for_each(|next| *next /= length);
@@ -52,9 +52,27 @@ pub(super) fn lost_directions<E>(
     Ok(values.iter().filter(|value| **value < -10.0 * TOLERANCE * values.amax()).count())
 }
 
-/// How well a solution is wanted.
-pub(super) const TOLERANCE: f64 = 1e-5;
-const STEPS: usize = 10;
+/// Whether the softest direction of the `steps` so far is known to a percent, and the sign of each that is not much stiffer: what the
+/// method has not seen of each is `rest` times its share in the last step (Parlett 1998, section 13.2).
+fn are_told(projected: &DMatrix<f64>, steps: usize, rest: f64) -> bool {
+    if steps < 2 {
+        return false;
+    }
+    let known = projected.view((0, 0), (steps, steps)).into_owned().symmetric_eigen();
+    let softest = known.eigenvalues.amax();
+    let is_told = |(value, last): (&f64, &f64)| {
+        let size = value.abs();
+        let allowed = if size < softest { 0.3 } else { 0.01 };
+        size < STIFF * softest || rest * last.abs() < allowed * size
+    };
+    known.eigenvalues.iter().zip(&known.eigenvectors.row(steps - 1)).all(is_told)
+}
+
+/// How well a solution is wanted: the steps converge to what is softest within it.
+pub(super) const TOLERANCE: f64 = 1e-3;
+const STEPS: usize = 12;
+/// Shares of the largest value of `T` that are not waited for: what is lost by more than 25 times the stiffness of what is softest may be missed.
+const STIFF: f64 = 0.04;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

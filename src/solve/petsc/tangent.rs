@@ -71,7 +71,7 @@ impl Plan {
 const LEAST_TO_SHARE: usize = 20_000;
 /// From so many unknowns on a solid is solved by iteration. At 307,820 it takes two thirds of the time of a factorisation on one rank and
 /// a third on two, but the count of its lost directions takes that back, and is less certain.
-const LEAST_TO_ITERATE: usize = 1_000_000;
+const LEAST_TO_ITERATE: usize = 250_000;
 
 /// The system's tangent, and how it becomes PETSc's matrix.
 ///
