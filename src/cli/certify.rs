@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::design_folder::{write_json, write_surface};
 use super::run_file::RunFile;
+use super::run_folder::flags;
 use super::say;
 use super::simulate::read_network;
 use super::solid_part::{SolidPart, SolidReport, SolidSection};
@@ -47,6 +48,8 @@ pub(super) struct Row {
     pub blocking_solid: Option<f64>,
     pub figure_of_merit_solid: Option<f64>,
     pub max_force_solid: Option<f64>,
+    /// Reasons to doubt the solid's objectives, by name.
+    pub flags: String,
     /// Deviations as in [`Certificate`].
     pub angle: Option<f64>,
     pub force: Option<f64>,
@@ -68,7 +71,7 @@ pub(super) struct Row {
 struct Sheet<'a> {
     certificate: Certificate,
     shell: Evaluation,
-    solid: Evaluation,
+    solid: &'a Evaluation,
     #[serde(skip_serializing_if = "Option::is_none")]
     coarser_solid: Option<Certificate>,
     mesh: &'a SolidReport,
@@ -236,7 +239,7 @@ fn certify_design(
     let sheet = Sheet {
         certificate: *certificate,
         shell,
-        solid: *evaluation,
+        solid: evaluation,
         coarser_solid: *coarser,
         mesh: &part.report,
     };
@@ -301,6 +304,7 @@ impl Row {
             blocking_solid: None,
             figure_of_merit_solid: None,
             max_force_solid: None,
+            flags: String::new(),
             angle: None,
             force: None,
             work: None,
@@ -327,6 +331,7 @@ impl Row {
             blocking_solid: Some(evaluation.blocking),
             figure_of_merit_solid: Some(evaluation.figure_of_merit),
             max_force_solid: Some(evaluation.max_force),
+            flags: flags(&evaluation.exploits),
             angle: Some(certificate.angle),
             force: Some(certificate.force),
             work: Some(certificate.work),
@@ -353,6 +358,7 @@ impl Row {
             blocking: self.blocking_solid?,
             figure_of_merit: self.figure_of_merit_solid?,
             max_force: self.max_force_solid?,
+            flags: self.flags.clone(),
         })
     }
 }

@@ -96,7 +96,8 @@ impl Generation<'_> {
             self.candidates.iter().any(|c| c.id == *id && c.genome == record.genome)
         });
         let mut known = Known::of(self.records.iter().chain(running.values()));
-        let fresh = self.fresh(&known);
+        let mut fresh = self.fresh(&known);
+        self.put_longest_first(&mut fresh);
         for record in self.begun(&fresh, evaluator)? {
             known.0.insert(Known::bits(&record.genome), record.outcome.clone());
             running.insert(record.id, record);
@@ -120,6 +121,22 @@ impl Generation<'_> {
             !known.0.contains_key(&bits) && met.insert(bits)
         };
         self.candidates.iter().filter(is_fresh).cloned().collect()
+    }
+
+    /// Begins with those that may take longest, as what is nearest to them did: at the end of a generation nobody should wait for one
+    /// that was begun last.
+    fn put_longest_first(&self, fresh: &mut [Candidate]) {
+        let distance =
+            |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum() };
+        fresh.sort_by_cached_key(|candidate| {
+            let nearest = self.records.iter().min_by(|a, b| {
+                let [a, b] = [a, b].map(|record| distance(&record.genome, &candidate.genome));
+                a.total_cmp(&b)
+            });
+            let seconds = nearest.map_or(0.0, |record| record.cpu_seconds.total());
+            // Times are positive, and the bits of such numbers rise with them.
+            std::cmp::Reverse(seconds.max(0.0).to_bits())
+        });
     }
 
     /// The records of the `fresh` candidates, each on the disk when it has ended.

@@ -10,7 +10,7 @@ use super::design_folder::{write_path, write_surface};
 use super::evaluations::{Evaluator, Generation, Unfinished, serve_candidates};
 use super::material::instability;
 use super::run_file::RunFile;
-use super::run_folder::{HistoryRow, Record, RunFolder, RunState};
+use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use super::solid_part::SolidSection;
 use super::{certify, say, warn};
@@ -273,15 +273,12 @@ impl Search {
     }
 
     fn rejection_summary(&self) -> String {
-        let mut counts = std::collections::BTreeMap::new();
-        for record in &self.records {
-            if let Outcome::Rejected(rejected) = &record.outcome {
-                *counts.entry(format!("{:?}/{}", rejected.room, rejected.reason)).or_insert(0) += 1;
-            }
-        }
         let seconds: f64 = self.records.iter().map(|record| record.cpu_seconds.total()).sum();
-        let causes: Vec<String> =
-            counts.iter().map(|(cause, count)| format!("{cause} {count}")).collect();
+        let causes: Vec<String> = outcome_counts(&self.records)
+            .into_iter()
+            .filter(|count| count.rejected)
+            .map(|count| format!("{} {}", count.outcome, count.candidates))
+            .collect();
         let causes = if causes.is_empty() { "none".to_owned() } else { causes.join(", ") };
         format!(
             "{} candidates in {seconds:.1} core-seconds; rejected: {causes}",

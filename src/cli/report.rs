@@ -20,9 +20,10 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
     let search = Nsga2::resume(state.search)?;
     let records = folder.records(search.generation())?;
     say(&folder.write_results(&search, &state.history, &records)?);
-    for name in ["front.svg", "front.png", "history.svg", "history.png", "front.csv", "history.csv"]
-    {
-        say(&folder.file(name).display().to_string());
+    for figure in ["front", "history", "outcomes"] {
+        for ending in ["svg", "png", "csv"] {
+            say(&folder.file(&format!("{figure}.{ending}")).display().to_string());
+        }
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! run.toml  provenance.json  checkpoints/  candidates.jsonl  history.csv
 //! running.jsonl                of a run that goes on, or was killed
-//! front.csv  front.svg  front.png  history.svg  history.png
+//! front.csv  front.svg  front.png  history.svg  history.png  outcomes.csv  outcomes.svg  outcomes.png
 //! solid/  front_solid.csv      of a run with a [solid] section
 //! front/<id>/  genome.toml  surface.stl  path.csv  path_blocked.csv  *.vtu  *.pvd
 //! ```
@@ -19,9 +19,11 @@ use super::design_folder::write_json;
 use super::provenance::Provenance;
 use super::run_file::RunFile;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
-use crate::fitness::{Outcome, StageSeconds};
+use crate::fitness::{Exploit, Outcome, StageSeconds};
 use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
-use crate::report::{FrontPoint, HistoryPoint, front_svg, front_table, history_svg, png};
+use crate::report::{
+    FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, outcomes_svg, png,
+};
 
 /// One line of `candidates.jsonl`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -57,7 +59,7 @@ pub(super) struct RunState {
 const PNG_SCALE: f32 = 2.0;
 
 /// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
-const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force\n";
+const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force,flags\n";
 
 /// The records of the generation that is being evaluated, as they end.
 const RUNNING: &str = "running.jsonl";
@@ -209,6 +211,9 @@ impl RunFolder {
             })
             .collect();
         self.write_figure("history", &history_svg(&points))?;
+        let outcomes = outcome_counts(records);
+        csv::write(&self.file("outcomes.csv"), &outcomes)?;
+        self.write_figure("outcomes", &outcomes_svg(&outcomes))?;
         Ok(front_table(&front))
     }
 
@@ -242,6 +247,34 @@ impl RunFolder {
     }
 }
 
+/// How many of the `records` ended in which way: those with objectives first, then the most.
+pub(super) fn outcome_counts(records: &[Record]) -> Vec<OutcomeCount> {
+    let mut counts: BTreeMap<(bool, String), usize> = BTreeMap::new();
+    for record in records {
+        *counts.entry(way_of(&record.outcome)).or_default() += 1;
+    }
+    let mut counts: Vec<OutcomeCount> = counts
+        .into_iter()
+        .map(|((rejected, outcome), candidates)| OutcomeCount { outcome, rejected, candidates })
+        .collect();
+    counts.sort_by_key(|count| (count.rejected, std::cmp::Reverse(count.candidates)));
+    counts
+}
+
+/// Whether an outcome is a rejection, and its cause; else how the free path ended.
+fn way_of(outcome: &Outcome) -> (bool, String) {
+    match outcome {
+        Outcome::Evaluated(evaluation) => (false, evaluation.bending_ending.name().to_owned()),
+        Outcome::Rejected(rejected) => (true, format!("{:?}/{}", rejected.room, rejected.reason)),
+    }
+}
+
+/// The flags as a table shows them.
+pub(super) fn flags(exploits: &[Exploit]) -> String {
+    let names: Vec<&str> = exploits.iter().map(|exploit| exploit.name()).collect();
+    names.join(" ")
+}
+
 fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec<FrontPoint>> {
     let by_id: BTreeMap<IndividualId, &Record> =
         records.iter().map(|record| (record.id, record)).collect();
@@ -256,13 +289,14 @@ fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec
             blocking: evaluation.blocking,
             figure_of_merit: evaluation.figure_of_merit,
             max_force: evaluation.max_force,
+            flags: flags(&evaluation.exploits),
         })
     };
     front.iter().map(point).collect()
 }
 
 fn evaluated_objectives(records: &[Record]) -> Vec<[f64; 2]> {
-    let objectives = |record: &Record| match record.outcome {
+    let objectives = |record: &Record| match &record.outcome {
         Outcome::Evaluated(evaluation) => Some([evaluation.bending, evaluation.blocking]),
         Outcome::Rejected(_) => None,
     };

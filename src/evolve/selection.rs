@@ -4,13 +4,13 @@
 //! a precedes b  when  a's front is better, or the front is the same and a is more alone on it
 //! ```
 //!
-//! Source: Deb et al. (2002), section III.C, the crowded-comparison operator.
+//! Source: Deb et al. (2002), section III.C, the crowded-comparison operator; a front that has too many is thinned one by one.
 
 use std::cmp::Ordering;
 
 use rand::{Rng, RngExt};
 
-use super::crowding::crowding_distances;
+use super::crowding::{crowding_distances, most_even};
 use super::dominance::fronts;
 use super::individual::Individual;
 
@@ -77,15 +77,10 @@ fn draw_another(count: usize, taken: usize, rng: &mut impl Rng) -> usize {
     if drawn < taken { drawn } else { drawn + 1 }
 }
 
-/// The best `count` of `population`, the best first; of equals the younger.
+/// The best `count` of `population`, the best first; of equals the younger. Of the front that has too many, those live that lie most
+/// evenly ([`most_even`]).
 pub(super) fn survivors(population: Vec<Individual>, count: usize) -> Vec<Individual> {
-    let ranking = Ranking::of(&population);
-    let mut order: Vec<usize> = (0..population.len()).collect();
-    order.sort_by(|a, b| {
-        ranking.compare(*a, *b).then_with(|| population[*b].id.cmp(&population[*a].id))
-    });
-    order.truncate(count);
-    order.into_iter().map(|index| population[index].clone()).collect()
+    chosen(population, count, |left| left)
 }
 
 /// As [`survivors`], but each front of the feasible, the best first, takes at most this `share` of the places left, and at least one;
@@ -98,26 +93,40 @@ pub(super) fn controlled_survivors(
     count: usize,
     share: f64,
 ) -> Vec<Individual> {
-    let size = population.len();
-    let ordered = survivors(population, size);
-    let rank = Ranking::of(&ordered).rank;
-    let mut left = count;
-    let mut lives = vec![false; size];
-    for front in rank.chunk_by(|a, b| a == b).scan(0, |start, front| {
-        *start += front.len();
-        Some(*start - front.len()..*start)
-    }) {
-        if left == 0 || !ordered[front.start].evaluation.is_feasible() {
+    chosen(population, count, |left| ((share * left as f64).round() as usize).max(1))
+}
+
+/// The best `count`, where a front of the feasible takes at most `quota` of the places left.
+fn chosen(
+    mut population: Vec<Individual>,
+    count: usize,
+    quota: impl Fn(usize) -> usize,
+) -> Vec<Individual> {
+    population.sort_by_key(|individual| std::cmp::Reverse(individual.id));
+    let ranking = Ranking::of(&population);
+    let mut order: Vec<usize> = (0..population.len()).collect();
+    order.sort_by(|&a, &b| ranking.compare(a, b));
+    let mut left = count.min(population.len());
+    let mut lives = vec![false; population.len()];
+    for front in order.chunk_by(|&a, &b| ranking.rank[a] == ranking.rank[b]) {
+        if left == 0 || !population[front[0]].evaluation.is_feasible() {
             break;
         }
-        let quota = ((share * left as f64).round() as usize).max(1).min(front.len());
-        lives[front.start..front.start + quota].fill(true);
-        left -= quota;
+        let objectives = |&member: &usize| &population[member].evaluation.objectives[..];
+        let objectives: Vec<&[f64]> = front.iter().map(objectives).collect();
+        for member in most_even(&objectives, quota(left)) {
+            lives[front[member]] = true;
+            left -= 1;
+        }
     }
-    for alive in lives.iter_mut().filter(|alive| !**alive).take(left) {
-        *alive = true;
+    for &member in &order {
+        if left > 0 && !lives[member] {
+            lives[member] = true;
+            left -= 1;
+        }
     }
-    ordered.into_iter().zip(lives).filter_map(|(one, alive)| alive.then_some(one)).collect()
+    order.retain(|&member| lives[member]);
+    order.into_iter().map(|member| population[member].clone()).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::objective::{bending, blocking, figure_of_merit};
+use super::exploit::{Exploit, exploits};
+use super::objective::{bending, bending_samples, blocking, blocking_samples, figure_of_merit};
 use super::observation::{Observation, observations};
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::ShellMesh;
@@ -43,12 +44,19 @@ pub struct FitnessSettings {
     pub plane_normal: [f64; 3],
     /// Distance of the plane from the outermost point of the outer wall at rest, mm.
     pub plane_distance: f64,
+    /// Whether a design with an [`Exploit`] is rejected instead of flagged.
+    pub exclude_exploits: bool,
 }
 
 impl Default for FitnessSettings {
     /// The plane 5 mm from the -x side, to which the published seed bends.
     fn default() -> Self {
-        Self { exponent: 3.0, plane_normal: [1.0, 0.0, 0.0], plane_distance: 5.0 }
+        Self {
+            exponent: 3.0,
+            plane_normal: [1.0, 0.0, 0.0],
+            plane_distance: 5.0,
+            exclude_exploits: false,
+        }
     }
 }
 
@@ -62,7 +70,7 @@ impl FitnessSettings {
 }
 
 /// The objectives of one design, and the figures beside them.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// `F_c`, rad / (m J)^(1/exponent).
     pub bending: f64,
@@ -90,6 +98,8 @@ pub struct Evaluation {
     pub blocking_ending: Ending,
     /// Pressure of its last sample, MPa.
     pub blocking_pressure: f64,
+    /// Reasons to doubt the objectives.
+    pub exploits: Vec<Exploit>,
 }
 
 /// Both walked scenarios.
@@ -160,6 +170,15 @@ pub fn evaluate_model(
     }
     let blocked_rows = observations(mesh, &model, &blocked.points);
     let own_rows = free_rows.iter().chain(&blocked_rows[touching.unwrap_or(blocked_rows.len())..]);
+    let exploits = exploits(
+        &bending_samples(&free_rows, mesh.length, fitness.exponent),
+        &blocking_samples(&blocked_rows),
+        blocked_rows.first(),
+        model.creased_share(),
+    );
+    if fitness.exclude_exploits && !exploits.is_empty() {
+        return Ok(Err(excluded(&exploits)));
+    }
     let evaluation = Evaluation {
         bending: bending(&free_rows, mesh.length, fitness.exponent),
         blocking: blocking(&blocked_rows),
@@ -174,9 +193,16 @@ pub fn evaluate_model(
         bending_pressure: last_sample(&free_rows),
         blocking_ending: blocked.ending,
         blocking_pressure: last_sample(&blocked_rows),
+        exploits,
     };
     let times = solver.times();
     Ok(Ok((evaluation, Scenarios { model, free, blocked, free_rows, blocked_rows, times })))
+}
+
+/// Why a design is rejected whose objectives are doubted: it came to the end, and is as far from acceptable as flags are many.
+fn excluded(exploits: &[Exploit]) -> Rejected {
+    let names: Vec<&str> = exploits.iter().map(|exploit| exploit.name()).collect();
+    Rejected::new(Room::Fitness, "exploit", names.join(", "), 0.1 * names.len() as f64)
 }
 
 /// Pressure of the last sample, MPa.

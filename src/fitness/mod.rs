@@ -4,6 +4,7 @@
 
 mod candidate;
 mod evaluate;
+mod exploit;
 mod fidelity;
 mod objective;
 mod observation;
@@ -13,6 +14,7 @@ pub use candidate::{Candidate, CandidateSettings, evaluate_network, shell_of_net
 pub use evaluate::{
     Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate, evaluate_model,
 };
+pub use exploit::Exploit;
 pub use fidelity::{Certificate, FidelitySettings, Verdict};
 pub use objective::{bending, blocking, figure_of_merit};
 pub use observation::{Observation, observations, stability};

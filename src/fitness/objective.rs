@@ -9,24 +9,42 @@
 
 use super::Observation;
 
-/// `F_c`: how far it bends for the work done, rad / (m J)^(1/exponent).
+/// `F_c`: how far it bends for the work done, rad / (m J)^(1/exponent), at the sample where that is most.
 ///
 /// # Decisions
 /// The exponent is not published. `F_c ~ pressure^(1 - 2 / exponent)` at small pressure: up to 2 it rewards
 /// vanishing pressure, above 2 it rewards bending. Default 3.
 #[must_use]
 pub fn bending(path: &[Observation], length: f64, exponent: f64) -> f64 {
+    largest(&bending_samples(path, length, exponent))
+}
+
+/// `F_bf`: how hard it pushes on the plane for its pressure, N/kPa, at the sample where that is most.
+#[must_use]
+pub fn blocking(path: &[Observation]) -> f64 {
+    largest(&blocking_samples(path))
+}
+
+/// What [`bending`] takes the largest of.
+pub(super) fn bending_samples(
+    path: &[Observation],
+    length: f64,
+    exponent: f64,
+) -> Vec<(&Observation, f64)> {
     let of_row = |row: &Observation| {
         let work_and_length = 1e-3 * length * 1e-3 * row.work;
         row.angle_deg.to_radians() / work_and_length.powf(1.0 / exponent)
     };
-    loaded(path).map(of_row).fold(0.0, f64::max)
+    loaded(path).map(|row| (row, of_row(row))).collect()
 }
 
-/// `F_bf`: how hard it pushes on the plane for its pressure, N/kPa.
-#[must_use]
-pub fn blocking(path: &[Observation]) -> f64 {
-    loaded(path).map(|row| row.plane_force / (1e3 * row.pressure)).fold(0.0, f64::max)
+/// What [`blocking`] takes the largest of.
+pub(super) fn blocking_samples(path: &[Observation]) -> Vec<(&Observation, f64)> {
+    loaded(path).map(|row| (row, row.plane_force / (1e3 * row.pressure))).collect()
+}
+
+fn largest(samples: &[(&Observation, f64)]) -> f64 {
+    samples.iter().map(|(_, value)| *value).fold(0.0, f64::max)
 }
 
 /// Tangent angle at the end of the path over length and pressure, deg/(kPa m): the literature's figure of merit.

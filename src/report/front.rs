@@ -25,6 +25,8 @@ pub struct FrontPoint {
     pub figure_of_merit: f64,
     /// Largest blocking force, N.
     pub max_force: f64,
+    /// Reasons to doubt its objectives, separated by spaces; empty where there are none.
+    pub flags: String,
 }
 
 /// The figure of a `front`, over every evaluated pair of objectives (bending, blocking), with the front of `solids` if there is one, as
@@ -210,6 +212,7 @@ mod tests {
             blocking: 0.5 - 0.1 * t,
             figure_of_merit: 3.0 * t,
             max_force,
+            flags: String::new(),
         }
     }
 

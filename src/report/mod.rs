@@ -9,6 +9,7 @@ mod error_overview;
 mod front;
 mod history;
 mod literature;
+mod outcomes;
 mod table;
 
 pub use canvas::png;
@@ -17,4 +18,5 @@ pub use error_overview::{JudgedError, OverviewRow, overview_svg};
 pub use front::{FrontPoint, front_svg};
 pub use history::{HistoryPoint, history_svg};
 pub use literature::{Published, Set, Technique, published};
+pub use outcomes::{OutcomeCount, outcomes_svg};
 pub use table::front_table;

@@ -5,12 +5,12 @@ use super::FrontPoint;
 /// The table of a `front`, in its order, ending with a line break.
 #[must_use]
 pub fn front_table(front: &[FrontPoint]) -> String {
-    let head = ["design", "F_c", "F_bf", "figure of merit", "largest force"];
-    let units = ["", "rad/(m J)^1/p", "N/kPa", "deg/(kPa m)", "N"];
+    let head = ["design", "F_c", "F_bf", "figure of merit", "largest force", "flags"];
+    let units = ["", "rad/(m J)^1/p", "N/kPa", "deg/(kPa m)", "N", ""];
     let rows = front.iter().map(|point| {
         let numbers = [point.bending, point.blocking, point.figure_of_merit, point.max_force];
         let [a, b, c, d] = numbers.map(significant);
-        [point.id.clone(), a, b, c, d]
+        [point.id.clone(), a, b, c, d, point.flags.clone()]
     });
     let rows: Vec<_> =
         [head, units].into_iter().map(|row| row.map(str::to_owned)).chain(rows).collect();
@@ -22,6 +22,7 @@ pub fn front_table(front: &[FrontPoint]) -> String {
         for (cell, width) in row.iter().zip(&widths).skip(1) {
             text += &format!("  {cell:>width$}");
         }
+        text.truncate(text.trim_end().len());
         text.push('\n');
     }
     text
@@ -52,12 +53,13 @@ mod tests {
             blocking: 12.0,
             figure_of_merit: 1234567.0,
             max_force,
+            flags: if max_force == 0.0 { "tiny_energy".to_owned() } else { String::new() },
         };
         let table = front_table(&[point("7", 0.171_23, 0.0), point("g12-03", 54.2, 2e-4)]);
         let expected = "\
-design            F_c   F_bf  figure of merit  largest force
+design            F_c   F_bf  figure of merit  largest force        flags
         rad/(m J)^1/p  N/kPa      deg/(kPa m)              N
-7              0.1712  12.00          1.235e6              0
+7              0.1712  12.00          1.235e6              0  tiny_energy
 g12-03          54.20  12.00          1.235e6       2.000e-4
 ";
         assert_eq!(table, expected);

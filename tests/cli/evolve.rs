@@ -89,7 +89,7 @@ fn a_run_writes_what_it_promises() {
     assert!(hypervolume.is_sorted(), "elitism never loses: {hypervolume:?}");
 
     let front = run.read("out/front.csv");
-    assert!(front.starts_with("id,bending,blocking,figure_of_merit,max_force\n"), "{front}");
+    assert!(front.starts_with("id,bending,blocking,figure_of_merit,max_force,flags\n"), "{front}");
     let members: Vec<&str> =
         front.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
     assert!(!members.is_empty());

@@ -29,8 +29,16 @@ fn report_draws_again_what_the_run_wrote() {
     );
     workshop.succeed(&["evolve", "run.toml", "--out", "out"]);
     let written = workshop.files();
-    for name in ["front.svg", "front.png", "history.svg", "history.png", "front.csv", "history.csv"]
-    {
+    for name in [
+        "front.svg",
+        "front.png",
+        "history.svg",
+        "history.png",
+        "front.csv",
+        "history.csv",
+        "outcomes.png",
+        "outcomes.csv",
+    ] {
         std::fs::remove_file(workshop.path("out").join(name)).unwrap();
     }
     let out = workshop.succeed(&["report", "out"]);
