@@ -150,6 +150,9 @@ impl Generation<'_> {
         bar.inc((self.candidates.len() - fresh.len()) as u64);
         let (mut failure, mut records) = (None, Vec::new());
         let is_over = || self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        if is_over() && !fresh.is_empty() {
+            return Err(Unfinished::OutOfTime);
+        }
         let mut watch = |index: usize, ended: &Ended<Evaluated>| {
             bar.inc(1);
             match record(&fresh[index], ended) {

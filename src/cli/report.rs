@@ -20,9 +20,12 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
     let search = Nsga2::resume(state.search)?;
     let records = folder.records(search.generation())?;
     say(&folder.write_results(&search, &state.history, &records)?);
-    for figure in ["front", "history", "outcomes"] {
+    for figure in ["front", "merit", "history", "outcomes"] {
         for ending in ["svg", "png", "csv"] {
-            say(&folder.file(&format!("{figure}.{ending}")).display().to_string());
+            let file = folder.file(&format!("{figure}.{ending}"));
+            if file.is_file() {
+                say(&file.display().to_string());
+            }
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 //! ```text
 //! run.toml  provenance.json  checkpoints/  candidates.jsonl  history.csv
 //! running.jsonl                of a run that goes on, or was killed
-//! front.csv  front.svg  front.png  history.svg  history.png  outcomes.csv  outcomes.svg  outcomes.png
+//! front.csv  outcomes.csv  front, history, merit, outcomes, each .svg and .png
 //! solid/  front_solid.csv      of a run with a [solid] section
 //! front/<id>/  genome.toml  surface.stl  path.csv  path_blocked.csv  *.vtu  *.pvd
 //! ```
@@ -22,7 +22,8 @@ use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
 use crate::fitness::{Exploit, Outcome, StageSeconds};
 use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
 use crate::report::{
-    FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, outcomes_svg, png,
+    FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
+    outcomes_svg, png, standing,
 };
 
 /// One line of `candidates.jsonl`.
@@ -106,10 +107,17 @@ impl RunFolder {
         Ok(toml_file::read(&self.folder.file("run.toml"))?)
     }
 
-    /// Refuses to go on with other settings; only more generations may be asked for.
+    /// Refuses to go on with other settings; only more generations may be asked for, and another second stage, which the search does
+    /// not know.
     pub(super) fn check_same(&self, run: &RunFile) -> anyhow::Result<()> {
         let mut old = self.run_file()?;
         old.evolution.generations = run.evolution.generations;
+        ensure!(
+            old.solid == run.solid || !self.file("solid").exists(),
+            "{} was made with another [solid] section; remove it to walk the front again",
+            self.file("solid").display()
+        );
+        old.solid.clone_from(&run.solid);
         ensure!(
             old == *run,
             "{} was made with other settings; resume it with its own run.toml, or choose another folder",
@@ -200,8 +208,7 @@ impl RunFolder {
         }
         let solids = self.solid_front()?;
         let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
-        let svg = front_svg(&front, &evaluated_objectives(records), &solids);
-        self.write_figure("front", &svg)?;
+        self.write_fronts(&front, records, &solids)?;
         let points: Vec<HistoryPoint> = history
             .iter()
             .map(|row| HistoryPoint {
@@ -214,7 +221,18 @@ impl RunFolder {
         let outcomes = outcome_counts(records);
         csv::write(&self.file("outcomes.csv"), &outcomes)?;
         self.write_figure("outcomes", &outcomes_svg(&outcomes))?;
-        Ok(front_table(&front))
+        Ok(front_table(&front) + &standing(&front).map_or_else(String::new, |line| line + "\n"))
+    }
+
+    /// Writes the figures of both fronts.
+    fn write_fronts(
+        &self,
+        front: &[FrontPoint],
+        records: &[Record],
+        solids: &[FrontPoint],
+    ) -> anyhow::Result<()> {
+        self.write_figure("front", &front_svg(front, &evaluated_objectives(records), solids))?;
+        self.write_figure("merit", &merit_svg(front, solids))
     }
 
     /// The rows of `front_solid.csv`; none where there is no such file.
@@ -238,7 +256,7 @@ impl RunFolder {
         let front = front_points(&search.front(), records)
             .with_context(|| self.path().display().to_string())?;
         let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
-        self.write_figure("front", &front_svg(&front, &evaluated_objectives(records), &solids))
+        self.write_fronts(&front, records, &solids)
     }
 
     fn write_figure(&self, name: &str, svg: &str) -> anyhow::Result<()> {

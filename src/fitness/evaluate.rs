@@ -195,8 +195,21 @@ pub fn evaluate_model(
         blocking_pressure: last_sample(&blocked_rows),
         exploits,
     };
+    if let Some(rejected) = not_finite(&evaluation) {
+        return Ok(Err(rejected));
+    }
     let times = solver.times();
     Ok(Ok((evaluation, Scenarios { model, free, blocked, free_rows, blocked_rows, times })))
+}
+
+/// A number that is none says nothing about its design, and no file of a run can hold it.
+fn not_finite(evaluation: &Evaluation) -> Option<Rejected> {
+    let Evaluation { bending, blocking, figure_of_merit, max_force, angle_deg, .. } = evaluation;
+    let numbers = [bending, blocking, figure_of_merit, max_force, angle_deg];
+    (!numbers.into_iter().all(|number| number.is_finite())).then(|| {
+        let detail = format!("among what was read off the paths is no number: {numbers:?}");
+        Rejected::new(Room::Fitness, "not_finite", detail, 1.0)
+    })
 }
 
 /// Why a design is rejected whose objectives are doubted: it came to the end, and is as far from acceptable as flags are many.

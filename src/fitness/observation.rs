@@ -99,7 +99,8 @@ pub fn stability(point: &PathPoint) -> &'static str {
 /// The rows of a path, the first at rest.
 #[must_use]
 pub fn observations(mesh: &ShellMesh, model: &PartModel, points: &[PathPoint]) -> Vec<Observation> {
-    let tip_normal = tip_area_vector(mesh, &mesh.surface.positions);
+    let facets = tip_facets(mesh);
+    let tip_normal = area_vector(&facets, &mesh.surface.positions);
     let (mut chord, mut tangent) = (Turning::default(), Turning::default());
     let axis = tip_normal.normalize();
     let has_contact = model.keeps_folds_apart();
@@ -110,7 +111,7 @@ pub fn observations(mesh: &ShellMesh, model: &PartModel, points: &[PathPoint]) -
         let angle = chord.angle(Vec3::new(tip.x, tip.y, 0.0), mesh.length + tip.z);
         let deformed: Vec<Vec3> =
             mesh.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
-        let normal = tip_area_vector(mesh, &deformed);
+        let normal = area_vector(&facets, &deformed);
         let along = axis.dot(&normal);
         Observation {
             step,
@@ -155,15 +156,24 @@ impl Turning {
     }
 }
 
-/// Sum of the area vectors of the facets whose corners all belong to the tip set, mm^2.
-fn tip_area_vector(mesh: &ShellMesh, positions: &[Vec3]) -> Vec3 {
+/// The facets whose corners all belong to the tip set; those with one such corner where a tip is so sharp that there are none.
+fn tip_facets(mesh: &ShellMesh) -> Vec<[u32; 3]> {
     let in_tip = |v: &u32| mesh.tip.binary_search(v).is_ok();
-    let facets = mesh.surface.triangles.iter().filter(|corners| corners.iter().all(in_tip));
+    let triangles = mesh.surface.triangles.iter().copied();
+    let inner: Vec<_> = triangles.clone().filter(|corners| corners.iter().all(in_tip)).collect();
+    if inner.is_empty() {
+        return triangles.filter(|corners| corners.iter().any(in_tip)).collect();
+    }
+    inner
+}
+
+/// Sum of the area vectors of `facets`, mm^2.
+fn area_vector(facets: &[[u32; 3]], positions: &[Vec3]) -> Vec3 {
     let area_vector = |corners: &[u32; 3]| {
         let [a, b, c] = corners.map(|v| positions[v as usize]);
         (b - a).cross(&(c - a)) / 2.0
     };
-    facets.map(area_vector).sum()
+    facets.iter().map(area_vector).sum()
 }
 
 #[cfg(test)]
@@ -173,6 +183,25 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::mesh::ShellSettings;
+    use crate::surface::TriangleMesh;
+
+    /// A tip set of one vertex has no facet of its own; the facets around it still point along the part.
+    #[test]
+    fn a_sharp_tip_has_a_direction() {
+        let tip_of = |tip_fraction| {
+            let settings = ShellSettings { tip_fraction, ..ShellSettings::default() };
+            let mesh = ShellMesh::new(TriangleMesh::sphere(10.0, 2), &settings).unwrap();
+            let facets = tip_facets(&mesh);
+            (mesh.tip.len(), facets.len(), area_vector(&facets, &mesh.surface.positions))
+        };
+        let (vertices, facets, direction) = tip_of(1e-9);
+        assert!(vertices <= 2 && facets >= 5, "{vertices} vertices, {facets} facets");
+        assert!(direction.z > 0.9 * direction.norm(), "{direction}");
+        // Half the sphere: a disk's area, less what the coarse triangles lose.
+        let (_, _, direction) = tip_of(0.5);
+        assert!(direction.z > 0.8 * 100.0 * PI && direction.z < 100.0 * PI, "{direction}");
+    }
 
     /// A direction that turns past 180 degrees keeps growing although `atan2` of a length folds back, and it shrinks
     /// again on the way home.

@@ -38,9 +38,10 @@ pub struct Rejected {
 }
 
 impl Rejected {
-    /// A rejection by `room`.
+    /// A rejection by `room`; a violation that is no number counts as the largest.
     #[must_use]
     pub fn new(room: Room, reason: &str, detail: String, violation: f64) -> Self {
+        let violation = if violation.is_finite() { violation } else { f64::MAX };
         Self { room, reason: reason.to_owned(), detail, violation }
     }
 }

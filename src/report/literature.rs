@@ -71,9 +71,62 @@ pub fn published() -> Vec<Published> {
     io::csv::parse(include_str!("../../data/literature.csv"), path).expect("a test reads this file")
 }
 
+/// How many of the works of others in Smith et al. (2022), Fig. 3, a design is better than on both axes, were its material `stiffness`
+/// times as stiff; and how many there are.
+///
+/// At the same geometry the figure of merit, deg/(kPa m), falls as stiffness rises, and the force, N, rises with it.
+///
+/// # Panics
+/// Never: as [`published`].
+#[must_use]
+pub fn dominated(figure_of_merit: f64, max_force: f64, stiffness: f64) -> (usize, usize) {
+    let others = others();
+    let at = [figure_of_merit / stiffness, max_force * stiffness];
+    let is_dominated = |other: &&Published| {
+        let other = [other.figure_of_merit, other.max_force];
+        at[0] >= other[0] && at[1] >= other[1] && at != other
+    };
+    (others.iter().filter(is_dominated).count(), others.len())
+}
+
+/// The stiffness, in that of its material, with which a design would be better than the most works ([`dominated`]).
+///
+/// # Panics
+/// Never: as [`published`].
+#[must_use]
+pub fn best_stiffness(figure_of_merit: f64, max_force: f64) -> f64 {
+    // The count changes only where the design is level with a work on an axis.
+    let mut tried = vec![1.0];
+    for other in others() {
+        tried.extend([figure_of_merit / other.figure_of_merit, other.max_force / max_force]);
+    }
+    tried.retain(|stiffness| stiffness.is_finite() && *stiffness > 0.0);
+    let count = |stiffness: &f64| dominated(figure_of_merit, max_force, *stiffness).0;
+    // Of equals the last is taken: the material as it is.
+    tried.into_iter().rev().max_by_key(count).unwrap_or(1.0)
+}
+
+fn others() -> Vec<Published> {
+    published().into_iter().filter(|point| point.set == Set::Literature2022).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stiffness_is_chosen_that_dominates_most() {
+        // Better than all by the plot's own largest numbers.
+        assert_eq!(dominated(2000.0, 78.0, 1.0), (24, 24));
+        assert_eq!(best_stiffness(2000.0, 78.0), 1.0);
+        assert_eq!(dominated(0.1, 1000.0, 1.0), (0, 24));
+        // A tenth of the force at ten times the merit is the same geometry of another material.
+        let stiffness = best_stiffness(0.1, 1000.0);
+        let softer = best_stiffness(1.0, 100.0);
+        let counts = [dominated(0.1, 1000.0, stiffness), dominated(1.0, 100.0, softer)];
+        assert!(stiffness < 1.0 && counts[0].0 > 0 && counts[0] == counts[1], "{counts:?}");
+        assert_eq!(best_stiffness(0.0, 0.0), 1.0);
+    }
 
     #[test]
     fn the_file_holds_the_published_figures() {

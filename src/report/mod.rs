@@ -9,6 +9,7 @@ mod error_overview;
 mod front;
 mod history;
 mod literature;
+mod merit;
 mod outcomes;
 mod table;
 
@@ -17,6 +18,7 @@ pub use error_figure::{ErrorCurve, ErrorPoint, error_svg};
 pub use error_overview::{JudgedError, OverviewRow, overview_svg};
 pub use front::{FrontPoint, front_svg};
 pub use history::{HistoryPoint, history_svg};
-pub use literature::{Published, Set, Technique, published};
+pub use literature::{Published, Set, Technique, best_stiffness, dominated, published};
+pub use merit::{merit_svg, standing};
 pub use outcomes::{OutcomeCount, outcomes_svg};
 pub use table::front_table;

@@ -117,8 +117,8 @@ impl Walk<'_> {
             let from = self.last().drive;
             let left = target - from;
             let mut step = if self.step.abs() < largest.abs() { self.step } else { largest };
-            // Two equal steps rather than a long and a tiny one.
-            if (left / step) < 1.0 + 1e-9 {
+            // One step where it is nearly as long, and two equal ones rather than a long and a tiny one.
+            if (left / step) < LENIENT {
                 step = left;
             } else if (left / step) < 2.0 {
                 step = 0.5 * left;
@@ -404,6 +404,8 @@ pub(super) fn best_prediction(
 const PATIENCE: usize = 6;
 /// Newton iterations at which a step is as long as it should be.
 const EASY_ITERATIONS: f64 = 6.0;
+/// How much longer than it should be a step may be that ends at a sample: half of the way there, found easy, grows by less than 2.
+const LENIENT: f64 = 1.25;
 /// The error of a prediction, as a share of the step, at which it is as long as it should be.
 const NEAR: f64 = 0.2;
 /// The smallest step from rest, as a share of the smallest later.

@@ -89,12 +89,16 @@ pressure = 0.05
 steps = 1
 ";
 
-/// A search with `[solid]` certifies its front, and writes a front of solids that no other row is better than.
+/// `[solid]`, here added to a finished search, certifies its front, and writes a front of solids that no other row is better than.
 #[test]
 fn search_walks_its_front_as_solids() {
     let workshop = Workshop::new();
+    workshop.write("run.toml", RUN);
+    workshop.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "2"]);
+    assert!(!workshop.read("out/merit.svg").contains("the same as solids"));
     workshop.write("run.toml", format!("{RUN}\n[solid]\nedge = 4.0\nlayers = 1\n"));
-    let said = workshop.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "2"]);
+    let resume = ["evolve", "run.toml", "--out", "out", "--threads", "2", "--resume"];
+    let said = workshop.succeed(&resume);
     assert!(said.contains("designs of the front"), "{said}");
     let rows = workshop.read("out/solid/certificates.csv");
     let front = workshop.read("out/front.csv").lines().count() - 1;
@@ -102,10 +106,14 @@ fn search_walks_its_front_as_solids() {
     let solids = workshop.column("out/front_solid.csv", "bending_solid");
     assert!(!solids.is_empty() && solids.is_sorted_by(|a, b| a >= b), "{solids:?}");
     assert!(workshop.read("out/front.svg").contains("front as solids"));
+    assert!(workshop.read("out/merit.svg").contains("the same as solids"));
     // Drawn again from the files alone.
     let before = workshop.read("out/front.svg");
     workshop.succeed(&["report", "out"]);
     assert_eq!(workshop.read("out/front.svg"), before);
+    // Two second stages do not mix.
+    workshop.write("run.toml", format!("{RUN}\n[solid]\nedge = 3.0\nlayers = 1\n"));
+    workshop.refuse(&resume, 1, &["out/solid was made with another [solid] section"]);
 }
 
 #[test]
