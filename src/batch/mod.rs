@@ -3,6 +3,16 @@
 //! The items of a batch are independent and differ much in cost. An executor hands them out one at a
 //! time, reports each as it ends, and turns a panic inside one into that item's outcome.
 //! It is not a cache, knows no time limits, and never repeats an item.
+//!
+//! # Decisions
+//! - A generation ends when its last candidate has: what the others wait is lost. Recorded times of the paper's search (2400 candidates,
+//!   mean 1.8 s, longest 14.7 s; `examples/simulated_farm`) keep 8 processes busy to 77 % in the order of the generation and to 97 %
+//!   with the longest first, 16 to 69 %, 64 to 18 %. So a search begins with what took long nearby, and more processes want a larger
+//!   population: ten times as many candidates keep 64 processes busy to 99 %, a hundred times 1024 to 89 %, where the
+//!   messages of the first process (0.2 ms each) begin to count. Going on without waiting for the last was left out: the result would
+//!   depend on who is how fast.
+//! - A candidate's budget is counted, not timed: Newton iterations of its paths and triangles of its surface, so that what is
+//!   rejected does not depend on the machine.
 
 mod farm;
 mod serial;
