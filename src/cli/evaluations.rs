@@ -145,14 +145,14 @@ impl Generation<'_> {
         fresh: &[Candidate],
         evaluator: &Evaluator<'_>,
     ) -> Result<Vec<Record>, Unfinished> {
-        let mut log = self.folder.running_log()?;
-        let bar = progress_bar(self.number, self.generations, self.candidates.len());
-        bar.inc((self.candidates.len() - fresh.len()) as u64);
-        let (mut failure, mut records) = (None, Vec::new());
         let is_over = || self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
         if is_over() && !fresh.is_empty() {
             return Err(Unfinished::OutOfTime);
         }
+        let mut log = self.folder.running_log()?;
+        let bar = progress_bar(self.number, self.generations, self.candidates.len());
+        bar.inc((self.candidates.len() - fresh.len()) as u64);
+        let (mut failure, mut records) = (None, Vec::new());
         let mut watch = |index: usize, ended: &Ended<Evaluated>| {
             bar.inc(1);
             match record(&fresh[index], ended) {

@@ -166,8 +166,8 @@ fn ranks_give_the_bits_of_threads() {
     };
     let out_of_time = run(&["--time-limit", "1ms"]);
     assert_eq!(out_of_time.status.code(), Some(3), "{out_of_time:?}");
-    let begun = workshop.read("out/running.jsonl").lines().count();
-    assert!((1..6).contains(&begun), "{begun} of 6 candidates ended before the time was over");
+    // The time was over before a candidate could begin.
+    assert!(!workshop.path("out/running.jsonl").exists());
 
     let resumed = run(&["--resume"]);
     assert!(resumed.status.success(), "{resumed:?}");
