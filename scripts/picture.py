@@ -28,8 +28,8 @@ def shaded(axes, file):
     axes.add_collection3d(
         Poly3DCollection(corners, facecolors=colors, edgecolors=(0, 0, 0, 0.15), linewidths=0.2)
     )
-    axes.set(xlim=(-50, 25), ylim=(-30, 30), zlim=(0, 90))
-    axes.set_box_aspect((75, 60, 90), zoom=1.2)
+    axes.set(xlim=(-75, 25), ylim=(-30, 30), zlim=(0, 90))
+    axes.set_box_aspect((100, 60, 90), zoom=1.2)
     axes.view_init(8, -80)
     axes.set_axis_off()
 
