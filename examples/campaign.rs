@@ -122,15 +122,7 @@ fn genomes(arguments: &Arguments) -> Vec<Genome> {
 }
 
 fn settings(backend: Backend) -> CandidateSettings {
-    CandidateSettings {
-        design_box: Default::default(),
-        mesh: Default::default(),
-        wall: Default::default(),
-        material: Material::Ogden(Ogden::ninjaflex_c2s()),
-        load: Default::default(),
-        fitness: Default::default(),
-        backend,
-    }
+    CandidateSettings::new(Material::Ogden(Ogden::ninjaflex_c2s()), backend)
 }
 
 fn design(genome: &Genome, settings: &CandidateSettings) -> Design {

@@ -18,15 +18,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         _ => Backend::Native,
     };
     let edge: Option<f64> = arguments.next().map(|text| text.parse()).transpose()?;
-    let mut settings = CandidateSettings {
-        design_box: Default::default(),
-        mesh: Default::default(),
-        wall: Default::default(),
-        material: Material::Ogden(Ogden::ninjaflex_c2s()),
-        load: Default::default(),
-        fitness: Default::default(),
-        backend,
-    };
+    let ninjaflex = Material::Ogden(Ogden::ninjaflex_c2s());
+    let mut settings = CandidateSettings::new(ninjaflex, backend);
     settings.mesh.edge = edge.unwrap_or(settings.mesh.edge);
 
     // One thread, so that its clock sees everything.

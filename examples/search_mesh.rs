@@ -62,15 +62,8 @@ fn named(path: &str) -> anyhow::Result<(String, Network)> {
 
 /// The evaluation with this edge, and its CPU seconds; none where the design is rejected.
 fn evaluated(network: &Network, edge: f64) -> anyhow::Result<Option<(Evaluation, f64)>> {
-    let mut settings = CandidateSettings {
-        design_box: Default::default(),
-        mesh: Default::default(),
-        wall: Default::default(),
-        material: Material::Ogden(Ogden::ninjaflex_c2s()),
-        load: Default::default(),
-        fitness: Default::default(),
-        backend: Backend::Native,
-    };
+    let ninjaflex = Material::Ogden(Ogden::ninjaflex_c2s());
+    let mut settings = CandidateSettings::new(ninjaflex, Backend::Native);
     settings.mesh.edge = edge;
     let candidate = evaluate_network(network, &settings)?;
     Ok(match candidate.outcome {

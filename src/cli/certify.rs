@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 
 use super::design_folder::{write_json, write_surface};
 use super::run_file::RunFile;
-use super::run_folder::flags;
 use super::say;
 use super::simulate::read_network;
 use super::solid_part::{SolidPart, SolidReport, SolidSection};
@@ -20,7 +19,7 @@ use crate::batch::{Executor, Next, Threads};
 use crate::evolve::Nsga2;
 use crate::fitness::{
     CandidateSettings, Certificate, Evaluation, FidelitySettings, Outcome, Scenarios, Verdict,
-    evaluate_model, evaluate_network,
+    evaluate_model, evaluate_network, flags,
 };
 use crate::genome::{Genome, Network};
 use crate::io::{OutputFolder, atomic, csv, msh};

@@ -19,7 +19,7 @@ use super::design_folder::write_json;
 use super::provenance::Provenance;
 use super::run_file::RunFile;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
-use crate::fitness::{Exploit, Outcome, StageSeconds};
+use crate::fitness::{Outcome, StageSeconds, flags};
 use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
 use crate::report::{
     FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
@@ -285,12 +285,6 @@ fn way_of(outcome: &Outcome) -> (bool, String) {
         Outcome::Evaluated(evaluation) => (false, evaluation.bending_ending.name().to_owned()),
         Outcome::Rejected(rejected) => (true, format!("{:?}/{}", rejected.room, rejected.reason)),
     }
-}
-
-/// The flags as a table shows them.
-pub(super) fn flags(exploits: &[Exploit]) -> String {
-    let names: Vec<&str> = exploits.iter().map(|exploit| exploit.name()).collect();
-    names.join(" ")
 }
 
 fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec<FrontPoint>> {

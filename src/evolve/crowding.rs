@@ -115,7 +115,7 @@ mod tests {
         let places = [0.0, 4.0, 4.1, 8.0, 9.0_f64, 10.0];
         let front = places.map(|x| [x, 10.0 - x]);
         let front: Vec<&[f64]> = front.iter().map(|point| &point[..]).collect();
-        // Distances to the two nearest: 4.0 * 0.1, 0.1 * 3.9, 3.9 * 1.0, 1.0 * 1.0; then 4.0 * 4.0, 1.0 * 2.0, 1.0 * 1.0; then 4.0 * 4.0
+        // Distances to the two nearest: 4.0 * 0.1, 0.1 * 3.9, 1.0 * 2.0, 1.0 * 1.0; then 4.0 * 4.0, 1.0 * 2.0, 1.0 * 1.0; then 4.0 * 4.0
         // and 4.0 * 2.0. All at once, both 4.0 and 4.1 would leave first.
         let expected: [&[usize]; 5] = [&[0, 1, 3, 4, 5], &[0, 1, 3, 5], &[0, 1, 5], &[0, 5], &[0]];
         for (left, expected) in expected.into_iter().enumerate() {

@@ -353,13 +353,10 @@ mod tests {
         );
     }
 
-    /// As many as Deb et al. (2002), section V, let it take.
-    const GENERATIONS: usize = 250;
-
     #[test]
     fn zdt1_is_solved() {
         for seed in 1..=3 {
-            let run = finished(&zdt1(), Nsga2Settings { seed, ..deb(GENERATIONS) });
+            let run = finished(&zdt1(), Nsga2Settings { seed, ..deb(100) });
             // 1.1^2 less the integral of 1 - sqrt(f), 1/3; integral of (2 sqrt(f))^-1/2 = 4/(3 sqrt(2)).
             let loss = tolerated_loss(4.0 / (3.0 * 2_f64.sqrt()));
             assert_hypervolume(&run, [1.1, 1.1], 1.21 - 1.0 / 3.0, loss);
@@ -372,7 +369,8 @@ mod tests {
     #[test]
     fn zdt2_is_solved() {
         for seed in 1..=3 {
-            let run = finished(&zdt2(), Nsga2Settings { seed, ..deb(GENERATIONS) });
+            // As many as Deb et al. (2002), section V, let it take: of 31 seeds with 30 genes half hold the end of the front alone after 100.
+            let run = finished(&zdt2(), Nsga2Settings { seed, ..deb(250) });
             // 1.1^2 less the integral of 1 - f^2, 2/3; integral of (2 f)^1/2 = 2 sqrt(2)/3.
             let loss = tolerated_loss(2.0 * 2_f64.sqrt() / 3.0);
             assert_hypervolume(&run, [1.1, 1.1], 1.21 - 2.0 / 3.0, loss);

@@ -28,6 +28,22 @@ pub struct CandidateSettings {
     pub backend: Backend,
 }
 
+impl CandidateSettings {
+    /// The defaults of everything but the material and the library.
+    #[must_use]
+    pub fn new(material: Material, backend: Backend) -> Self {
+        Self {
+            design_box: DesignBox::default(),
+            mesh: MeshSettings::default(),
+            wall: ShellSettings::default(),
+            material,
+            load: LoadSettings::default(),
+            fitness: FitnessSettings::default(),
+            backend,
+        }
+    }
+}
+
 /// A candidate's outcome, its scenarios where there are any, and its cost.
 #[derive(Clone, Debug)]
 pub struct Candidate {

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::exploit::{Exploit, exploits};
+use super::exploit::{Exploit, exploits, flags};
 use super::objective::{bending, bending_samples, blocking, blocking_samples, figure_of_merit};
 use super::observation::{Observation, observations};
 use crate::math::{Rejected, Room, Vec3};
@@ -214,8 +214,7 @@ fn not_finite(evaluation: &Evaluation) -> Option<Rejected> {
 
 /// Why a design is rejected whose objectives are doubted: it came to the end, and is as far from acceptable as flags are many.
 fn excluded(exploits: &[Exploit]) -> Rejected {
-    let names: Vec<&str> = exploits.iter().map(|exploit| exploit.name()).collect();
-    Rejected::new(Room::Fitness, "exploit", names.join(", "), 0.1 * names.len() as f64)
+    Rejected::new(Room::Fitness, "exploit", flags(exploits), 0.1 * exploits.len() as f64)
 }
 
 /// Pressure of the last sample, MPa.

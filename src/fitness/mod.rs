@@ -14,7 +14,7 @@ pub use candidate::{Candidate, CandidateSettings, evaluate_network, shell_of_net
 pub use evaluate::{
     Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate, evaluate_model,
 };
-pub use exploit::Exploit;
+pub use exploit::{Exploit, flags};
 pub use fidelity::{Certificate, FidelitySettings, Verdict};
 pub use objective::{bending, blocking, figure_of_merit};
 pub use observation::{Observation, observations, stability};

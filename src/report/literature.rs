@@ -81,12 +81,16 @@ pub fn published() -> Vec<Published> {
 #[must_use]
 pub fn dominated(figure_of_merit: f64, max_force: f64, stiffness: f64) -> (usize, usize) {
     let others = others();
-    let at = [figure_of_merit / stiffness, max_force * stiffness];
+    (count(&others, [figure_of_merit / stiffness, max_force * stiffness]), others.len())
+}
+
+/// How many of `others` the design `at` (figure of merit, force) is better than.
+fn count(others: &[Published], at: [f64; 2]) -> usize {
     let is_dominated = |other: &&Published| {
         let other = [other.figure_of_merit, other.max_force];
         at[0] >= other[0] && at[1] >= other[1] && at != other
     };
-    (others.iter().filter(is_dominated).count(), others.len())
+    others.iter().filter(is_dominated).count()
 }
 
 /// The stiffness, in that of its material, with which a design would be better than the most works ([`dominated`]).
@@ -97,13 +101,14 @@ pub fn dominated(figure_of_merit: f64, max_force: f64, stiffness: f64) -> (usize
 pub fn best_stiffness(figure_of_merit: f64, max_force: f64) -> f64 {
     // The count changes only where the design is level with a work on an axis.
     let mut tried = vec![1.0];
-    for other in others() {
+    let others = others();
+    for other in &others {
         tried.extend([figure_of_merit / other.figure_of_merit, other.max_force / max_force]);
     }
     tried.retain(|stiffness| stiffness.is_finite() && *stiffness > 0.0);
-    let count = |stiffness: &f64| dominated(figure_of_merit, max_force, *stiffness).0;
+    let better = |s: &f64| count(&others, [figure_of_merit / s, max_force * s]);
     // Of equals the last is taken: the material as it is.
-    tried.into_iter().rev().max_by_key(count).unwrap_or(1.0)
+    tried.into_iter().rev().max_by_key(better).unwrap_or(1.0)
 }
 
 fn others() -> Vec<Published> {

@@ -221,6 +221,27 @@ fn a_run_interrupted_by_its_settings_goes_on_with_the_same_bits() {
     assert_eq!(records(&workshop), records(finished()));
 }
 
+/// What is flagged otherwise is rejected where flags are excluded, and nothing else changes.
+#[test]
+fn doubtful_designs_can_be_excluded() {
+    let workshop = Workshop::new();
+    let run = RUN.replace("generations = 3", "generations = 1");
+    workshop.write("run.toml", format!("{run}\n[fitness]\nexclude_exploits = true\n"));
+    workshop.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "2"]);
+    let mut flagged = 0;
+    for (strict, free) in records(&workshop).into_iter().zip(records(finished())) {
+        if free["exploits"].as_array().is_none_or(Vec::is_empty) {
+            assert_eq!(strict, free);
+        } else {
+            flagged += 1;
+            assert_eq!([&strict["room"], &strict["reason"]], ["fitness", "exploit"], "{strict}");
+            let first = free["exploits"][0].as_str().unwrap();
+            assert!(strict["detail"].as_str().unwrap().starts_with(first), "{strict}");
+        }
+    }
+    assert!(flagged > 0, "no design of the first generation is flagged");
+}
+
 #[test]
 fn other_settings_are_not_resumed() {
     let workshop = copy_of_finished();
