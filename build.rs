@@ -20,7 +20,7 @@ fn main() {
 /// The short commit, with `-dirty` when tracked files differ from it; `None` outside our own repository.
 fn commit() -> Option<String> {
     // Naming any path turns off cargo's watch on the whole package, so the sources are named too.
-    for path in ["build.rs", "Cargo.toml", "src", "ffi"] {
+    for path in ["build.rs", "Cargo.toml", "src", "ffi", "web/dist"] {
         rerun_if_changed(path);
     }
     if !Path::new(".git").exists() {

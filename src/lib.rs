@@ -28,4 +28,7 @@ pub mod io;
 
 pub mod report;
 
+#[cfg(feature = "monitor")]
+pub mod monitor;
+
 pub mod cli;

@@ -9,8 +9,8 @@ use std::path::Path;
 const ORDER: [&str; 10] = [
     "genome", "field", "surface", "mesh", "model", "solve", "fitness", "batch", "evolve", "report",
 ];
-/// Folders outside the order: `math` is the floor, `io` and `cli` are edges.
-const OTHERS: [&str; 3] = ["math", "io", "cli"];
+/// Folders outside the order: `math` is the floor, `io`, `monitor` and `cli` are edges.
+const OTHERS: [&str; 4] = ["math", "io", "monitor", "cli"];
 /// Where `unsafe` may stand, besides `ffi/`: the file or folder that wraps one library.
 const WRAPPERS: [&str; 1] = ["src/solve/petsc/library"];
 /// A longer file has a noun that was missed.
@@ -177,7 +177,7 @@ fn may_name(room: &str, named: &str) -> bool {
     room == named
         || match (room, named) {
             ("cli", _) => true,
-            ("math", _) | (_, "cli") => false,
+            ("math" | "monitor", _) | (_, "monitor" | "cli") => false,
             (_, "math") => true,
             ("io", _) => named != "report",
             (_, "io") => room == "report",

@@ -4,13 +4,13 @@
 //! being computed. A genome met before is not evaluated again: its outcome is a function of it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::anyhow;
 use serde::{Deserialize, Serialize};
 
 use super::evolve::progress_bar;
-use super::run_folder::{Record, RunFolder};
+use super::run_folder::{Place, Record, RunFolder};
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, serve};
 use crate::evolve::Candidate;
 use crate::fitness::{CandidateSettings, Outcome, StageSeconds, evaluate_network};
@@ -26,6 +26,7 @@ pub(super) type Evaluated = Result<Finished, String>;
 pub(super) struct Finished {
     outcome: Outcome,
     cpu_seconds: StageSeconds,
+    place: Option<Place>,
 }
 
 /// Evaluates candidates, wherever that is.
@@ -45,14 +46,16 @@ impl<E: Into<anyhow::Error>> From<E> for Unfinished {
 
 /// Evaluates what the first process of the `job` sends.
 pub(super) fn serve_candidates(job: Job, settings: &CandidateSettings) -> anyhow::Result<()> {
-    Ok(serve(&job, &|candidate: &Candidate| evaluate(candidate, settings))?)
+    Ok(serve(&job, &|candidate: &Candidate| evaluate(candidate, settings, job.rank))?)
 }
 
-fn evaluate(candidate: &Candidate, settings: &CandidateSettings) -> Evaluated {
+fn evaluate(candidate: &Candidate, settings: &CandidateSettings, rank: usize) -> Evaluated {
     let genome =
         Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
     let evaluated = evaluate_network(&genome.decode(), settings).map_err(|e| e.to_string())?;
-    Ok(Finished { outcome: evaluated.outcome, cpu_seconds: evaluated.seconds })
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let place = Some(Place { rank, ended: since_1970.as_secs_f64() });
+    Ok(Finished { outcome: evaluated.outcome, cpu_seconds: evaluated.seconds, place })
 }
 
 /// What is known of genomes, by their bits.
@@ -108,6 +111,7 @@ impl Generation<'_> {
                 genome: candidate.genome.clone(),
                 outcome: known.0[&Known::bits(&candidate.genome)].clone(),
                 cpu_seconds: StageSeconds::default(),
+                place: None,
             })
         };
         Ok(self.candidates.iter().map(record).collect())
@@ -166,7 +170,7 @@ impl Generation<'_> {
         };
         let settings = self.settings;
         let outcomes =
-            evaluator.evaluate(fresh, &|candidate| evaluate(candidate, settings), &mut watch);
+            evaluator.evaluate(fresh, &|candidate| evaluate(candidate, settings, 0), &mut watch);
         bar.finish_and_clear();
         if let Some(failure) = failure {
             return Err(Unfinished::Failed(failure));
@@ -193,8 +197,10 @@ fn record(candidate: &Candidate, ended: &Ended<Evaluated>) -> anyhow::Result<Rec
                 f64::MAX,
             )),
             cpu_seconds: StageSeconds::default(),
+            place: None,
         },
     };
-    let Finished { outcome, cpu_seconds } = finished;
-    Ok(Record { id: candidate.id, genome: candidate.genome.clone(), outcome, cpu_seconds })
+    let Finished { outcome, cpu_seconds, place } = finished;
+    let genome = candidate.genome.clone();
+    Ok(Record { id: candidate.id, genome, outcome, cpu_seconds, place })
 }

@@ -9,6 +9,8 @@ mod evolve;
 mod formula;
 mod material;
 mod mesh;
+#[cfg(feature = "monitor")]
+mod monitor;
 mod part;
 mod patch_part;
 mod provenance;
@@ -34,6 +36,8 @@ mod walk_summary;
 mod watch;
 mod watch_curve;
 
+#[cfg(feature = "monitor")]
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -141,6 +145,20 @@ enum Command {
     Verify {
         #[command(subcommand)]
         what: Verified,
+    },
+    /// Watch a run in a browser, while it goes on or later: its front, how it grew, and each design in three dimensions.
+    ///
+    /// From another machine: ssh -L 8737:127.0.0.1:8737 HOST, then http://127.0.0.1:8737/ there.
+    #[cfg(feature = "monitor")]
+    Monitor {
+        /// The folder of a run.
+        run: PathBuf,
+        /// The port; 0 is any free one.
+        #[arg(long, default_value_t = 8737)]
+        port: u16,
+        /// The address to listen on; others than this machine's own let others look.
+        #[arg(long, default_value = "127.0.0.1")]
+        listen: IpAddr,
     },
     /// Draw the figures of a run and print its front.
     Report {
@@ -342,6 +360,8 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             let selection = verify_stability::Selection { cases: case, solver, quick };
             on_threads(1, || verify_stability::run(&selection, out.as_deref()))
         }
+        #[cfg(feature = "monitor")]
+        Command::Monitor { run, port, listen } => monitor::run(&run, listen, port),
         Command::Report { run } => report::run(&run),
     };
     done.map(|()| ExitCode::SUCCESS)

@@ -67,11 +67,12 @@ impl RunFile {
     pub(super) fn read(path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
         let mut run: Self = toml_file::read(path)?;
         run.solver.backend = solver.unwrap_or(run.solver.backend);
-        run.check().with_context(|| path.display().to_string())?;
+        run.checked().with_context(|| path.display().to_string())?;
         Ok(run)
     }
 
-    fn check(&self) -> anyhow::Result<()> {
+    /// Itself, when every value is one that the program can work with.
+    pub(super) fn checked(&self) -> anyhow::Result<&Self> {
         check_solver(self.solver.backend)?;
         positive("[load] pressure", self.load.pressure)?;
         check_shell(&self.wall, &self.load)?;
@@ -97,7 +98,7 @@ impl RunFile {
             clamped < (1.0 - self.wall.tip_fraction) * height,
             "[wall] clamp_height holds {clamped:.2} mm of a box of {height} mm, tip included; it must be smaller"
         );
-        Ok(())
+        Ok(self)
     }
 
     /// The bounds of all genes as evolution sees them.

@@ -34,6 +34,18 @@ pub(super) struct Record {
     #[serde(flatten)]
     pub outcome: Outcome,
     pub cpu_seconds: StageSeconds,
+    /// Where and when it was evaluated; none of a genome that was known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<Place>,
+}
+
+/// Where and when a candidate was evaluated.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Place {
+    /// Number of the process in its job.
+    pub rank: usize,
+    /// When it ended, seconds since 1970.
+    pub ended: f64,
 }
 
 /// One row of `history.csv`.
@@ -105,6 +117,13 @@ impl RunFolder {
     /// The run file that the folder was made with.
     pub(super) fn run_file(&self) -> anyhow::Result<RunFile> {
         Ok(toml_file::read(&self.folder.file("run.toml"))?)
+    }
+
+    /// The commit of the program that made the folder, where it says so.
+    pub(super) fn commit(&self) -> Option<String> {
+        let text = std::fs::read_to_string(self.file("provenance.json")).ok()?;
+        let provenance: serde_json::Value = serde_json::from_str(&text).ok()?;
+        provenance["commit"].as_str().map(str::to_owned)
     }
 
     /// Refuses to go on with other settings; only more generations may be asked for, and another second stage, which the search does
@@ -236,13 +255,13 @@ impl RunFolder {
     }
 
     /// The rows of `front_solid.csv`; none where there is no such file.
-    fn solid_front(&self) -> anyhow::Result<Vec<Row>> {
-        let path = self.file(SOLID_FRONT);
-        if !path.exists() {
-            return Ok(Vec::new());
-        }
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        Ok(csv::parse(&text, &path)?)
+    pub(super) fn solid_front(&self) -> anyhow::Result<Vec<Row>> {
+        rows_of(&self.file(SOLID_FRONT))
+    }
+
+    /// The rows of `solid/certificates.csv`; none where there is no such file.
+    pub(super) fn certificates(&self) -> anyhow::Result<Vec<Row>> {
+        rows_of(&self.file("solid/certificates.csv"))
     }
 
     /// Writes `front_solid.csv`, and the figure of both fronts.
@@ -263,6 +282,14 @@ impl RunFolder {
         atomic::write(&self.file(&format!("{name}.svg")), svg.as_bytes())?;
         Ok(atomic::write(&self.file(&format!("{name}.png")), &png(svg, PNG_SCALE))?)
     }
+}
+
+fn rows_of(path: &Path) -> anyhow::Result<Vec<Row>> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    Ok(csv::parse(&text, path)?)
 }
 
 /// How many of the `records` ended in which way: those with objectives first, then the most.

@@ -80,6 +80,25 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, InputError> {
     Ok(rows)
 }
 
+/// The finished lines of the log `path` that fit `T`, and how many do not.
+///
+/// For a look at a log that may be damaged, or not ours at all: [`read`] is for what must be whole.
+///
+/// # Errors
+/// [`InputError`] when the file cannot be read.
+pub fn read_what_fits<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, usize), InputError> {
+    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let finished = &bytes[..finished_length(&bytes)];
+    let (mut rows, mut damaged) = (Vec::new(), 0);
+    for line in finished.split_inclusive(|&byte| byte == b'\n') {
+        match serde_json::from_slice(line) {
+            Ok(row) => rows.push(row),
+            Err(_) => damaged += 1,
+        }
+    }
+    Ok((rows, damaged))
+}
+
 fn line<T: Serialize>(row: &T, path: &Path) -> Result<Vec<u8>, OutputError> {
     let mut line = serde_json::to_vec(row).map_err(|e| OutputError::unwritable(path, &e))?;
     line.push(b'\n');
@@ -131,6 +150,7 @@ mod tests {
         write(&path, &[row(0)]).unwrap();
         JsonLog::open(&path).unwrap().append(&"not a row").unwrap();
         assert_eq!(read::<Row>(&path).unwrap_err().line, Some(2));
+        assert_eq!(read_what_fits::<Row>(&path).unwrap(), (vec![row(0)], 1));
         write(&path, &[row(7), row(8)]).unwrap();
         assert_eq!(read::<Row>(&path).unwrap(), [row(7), row(8)]);
     }

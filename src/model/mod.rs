@@ -12,6 +12,7 @@ pub mod element;
 pub mod load;
 pub mod local;
 pub mod material;
+mod membrane;
 mod part_folds;
 mod part_model;
 mod patch_model;
@@ -26,6 +27,7 @@ mod tie;
 
 pub use edge_support::{EdgeSupport, EdgeSupports};
 pub use load::{DeadLoad, FollowerForce};
+pub use membrane::{MembraneState, membrane_states};
 pub use part_model::{PartModel, Support};
 pub use patch_model::PatchLoads;
 pub use solid_loads::Cut;

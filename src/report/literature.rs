@@ -2,30 +2,30 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::io;
 
 /// One mark of a published figure.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Published {
     /// Which marks it belongs to.
     pub set: Set,
     /// First author and year.
     pub work: String,
     /// How the actuator was made.
-    #[serde(rename = "class")]
+    #[serde(rename(deserialize = "class"))]
     pub technique: Technique,
     /// Bending angle per pressure and length, deg/(kPa m).
-    #[serde(rename = "figure_of_merit_deg_per_kPa_m")]
+    #[serde(rename(deserialize = "figure_of_merit_deg_per_kPa_m"))]
     pub figure_of_merit: f64,
     /// Largest force, N.
-    #[serde(rename = "max_force_N")]
+    #[serde(rename(deserialize = "max_force_N"))]
     pub max_force: f64,
 }
 
 /// The marks of the two published figures that belong together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Set {
     /// Works of others, as plotted by Hainsworth et al. (2020).
@@ -46,7 +46,7 @@ pub enum Set {
 }
 
 /// How a published actuator was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Technique {
     /// Moulded.

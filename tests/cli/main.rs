@@ -3,6 +3,8 @@
 
 mod evolve;
 mod mesh_and_report;
+#[cfg(feature = "monitor")]
+mod monitor;
 mod simulate;
 mod solids;
 mod verify;

@@ -148,6 +148,12 @@ impl PlaneContact {
         self.normal
     }
 
+    /// `normal . x` on the plane, mm.
+    #[must_use]
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
     /// The smallest gap between face and plane, mm.
     #[must_use]
     pub fn smallest_gap(&self, positions: &[Vec3]) -> f64 {

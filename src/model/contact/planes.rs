@@ -222,6 +222,13 @@ impl PartModel {
         self.planes.lift(lifted);
     }
 
+    /// Of each plane of the scene the unit normal, pointing towards the part, and `normal . x` on it, mm.
+    #[must_use]
+    pub fn plane_places(&self) -> Vec<(Vec3, f64)> {
+        let planes = self.planes.planes.iter().map(|plane| plane.contact.inner());
+        planes.map(|contact| (contact.normal(), contact.offset())).collect()
+    }
+
     /// The sum of the sizes of the forces with which the part presses on the planes of the scene, N.
     #[must_use]
     pub fn plane_force(&self, u: &[f64]) -> f64 {
