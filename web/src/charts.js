@@ -1,0 +1,60 @@
+// The chart library, with no more of it than is used, and the looks that all charts share.
+import {
+  Chart,
+  Legend,
+  LinearScale,
+  LineElement,
+  LogarithmicScale,
+  PointElement,
+  ScatterController,
+  Tooltip,
+} from "chart.js";
+import { colour } from "./theme.js";
+import { number } from "./format.js";
+
+Chart.register(Legend, LinearScale, LineElement, LogarithmicScale, PointElement, ScatterController, Tooltip);
+Chart.defaults.font.family = "system-ui, 'DejaVu Sans', sans-serif";
+Chart.defaults.animation = false;
+Chart.defaults.maintainAspectRatio = false;
+
+export { Chart };
+
+/** Options of a chart in the colours of now. */
+export function baseOptions() {
+  return {
+    plugins: {
+      legend: { display: false },
+      tooltip: {
+        displayColors: false,
+        backgroundColor: colour("ink"),
+        titleColor: colour("surface"),
+        bodyColor: colour("surface"),
+        padding: 8,
+        cornerRadius: 4,
+      },
+    },
+    interaction: { mode: "nearest", intersect: true },
+  };
+}
+
+/** An axis with its title and unit. */
+export function axis(text, type = "linear", size = 12) {
+  return {
+    type,
+    title: { display: true, text, color: colour("ink"), font: { size }, padding: 2 },
+    grid: { color: colour("grid"), tickLength: 4 },
+    border: { color: colour("line") },
+    ticks: {
+      color: colour("muted"),
+      font: { size: 11 },
+      maxRotation: 0,
+      maxTicksLimit: size < 12 ? 5 : 8,
+      callback: type === "logarithmic" ? decades : (value) => number(value, 4),
+    },
+  };
+}
+
+/** Names the powers of ten alone. */
+function decades(value) {
+  return Math.abs(Math.log10(value) % 1) < 1e-9 ? String(value) : "";
+}
