@@ -1,4 +1,4 @@
-// Makes dist/: one script, one style sheet, one page, all that the monitor serves.
+// Makes dist/: a script, a style sheet, an icon and a page, all that the monitor serves besides its data.
 import { build } from "esbuild";
 import { copyFile, mkdir } from "node:fs/promises";
 import { fileURLToPath } from "node:url";
@@ -16,4 +16,4 @@ await build({
   legalComments: "eof",
   logLevel: "warning",
 });
-await copyFile(here("src/index.html"), here("dist/index.html"));
+for (const name of ["icon.svg", "index.html"]) await copyFile(here(`src/${name}`), here(`dist/${name}`));

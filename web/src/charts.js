@@ -7,12 +7,13 @@ import {
   LogarithmicScale,
   PointElement,
   ScatterController,
+  Title,
   Tooltip,
 } from "chart.js";
 import { colour } from "./theme.js";
 import { number } from "./format.js";
 
-Chart.register(Legend, LinearScale, LineElement, LogarithmicScale, PointElement, ScatterController, Tooltip);
+Chart.register(Legend, LinearScale, LineElement, LogarithmicScale, PointElement, ScatterController, Title, Tooltip);
 Chart.defaults.font.family = "system-ui, 'DejaVu Sans', sans-serif";
 Chart.defaults.animation = false;
 Chart.defaults.maintainAspectRatio = false;
@@ -37,11 +38,28 @@ export function baseOptions() {
   };
 }
 
-/** An axis with its title and unit. */
+/** Options of a small chart over `x`: what it shows stands above it, where there is room for words. */
+export function smallOptions(title, x) {
+  const options = baseOptions();
+  options.plugins.title = {
+    display: true,
+    text: title,
+    align: "start",
+    color: colour("ink"),
+    font: { size: 11, weight: "normal" },
+    padding: { top: 2, bottom: 9 },
+  };
+  options.scales = { x: axis(x, "linear", 11), y: axis("", "linear", 11) };
+  options.scales.x.min = 0;
+  options.interaction = { mode: "nearest", axis: "x", intersect: false };
+  return options;
+}
+
+/** An axis with its title and unit, where it has one. */
 export function axis(text, type = "linear", size = 12) {
   return {
     type,
-    title: { display: true, text, color: colour("ink"), font: { size }, padding: 2 },
+    title: { display: text !== "", text, color: colour("ink"), font: { size }, padding: 2 },
     grid: { color: colour("grid"), tickLength: 4 },
     border: { color: colour("line") },
     ticks: {

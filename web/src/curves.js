@@ -1,5 +1,5 @@
 // Four curves over the pressure, both scenarios in each, and a mark where the shown frame is.
-import { Chart, axis, baseOptions } from "./charts.js";
+import { Chart, smallOptions } from "./charts.js";
 import { byId } from "./dom.js";
 import { number } from "./format.js";
 import { between } from "./shape.js";
@@ -40,11 +40,8 @@ export class Curves {
   restyle() {
     this.#charts.forEach((chart) => chart.destroy());
     this.#charts = CURVES.map(([name, title, read], k) => {
-      const options = baseOptions();
-      options.scales = { x: axis("pressure, MPa", "linear", 11), y: axis(title, "linear", 11) };
-      if (k < 2) options.scales.x.title.display = false;
-      options.scales.x.min = 0;
-      options.interaction = { mode: "nearest", axis: "x", intersect: false };
+      const options = smallOptions(title, k < 2 ? "" : "pressure, MPa");
+      options.scales.y.beginAtZero = name !== "volume";
       options.plugins.tooltip.callbacks = {
         label: ({ raw: { x, y, row, scenario } }) => [
           `${scenario}: ${number(y)} at ${number(x)} MPa`,
@@ -65,11 +62,12 @@ export class Curves {
       showLine: true,
       borderColor: colour(HUES[name] ?? "muted"),
       backgroundColor: colour(HUES[name] ?? "muted"),
-      borderWidth: name === "blocked" ? 1.6 : 2.4,
+      borderWidth: 2,
+      borderDash: name === "blocked" ? [6, 4] : [],
       radius: 0,
       hoverRadius: 4,
       // What is not stable is dotted.
-      segment: { borderDash: ({ p1DataIndex }) => (rows[p1DataIndex].stability === "stable" ? undefined : [2, 3]) },
+      segment: { borderDash: ({ p1DataIndex }) => (rows[p1DataIndex].stability === "stable" ? undefined : [1, 3]) },
       order: name === "blocked" ? 0 : 1,
     }));
     chart.update("none");

@@ -37,11 +37,6 @@ export class DesignPanel {
       redraw,
     );
     drawRamp(byId("legend-ramp"));
-    try {
-      this.#view = new View(byId("view"), showScale);
-    } catch {
-      say("This browser has no WebGL, which the picture in three dimensions needs.");
-    }
     byId("play").addEventListener("click", (event) => {
       if (event.detail > 0) event.currentTarget.blur();
       this.togglePlay();
@@ -52,7 +47,7 @@ export class DesignPanel {
       this.#draw();
     });
     showFacts(null);
-    if (this.#view) say("Choose a design: click a point of the front, or press an arrow key.");
+    say("Choose a design: click a point of the front, or press an arrow key.");
   }
 
   /** Asks for the design with this id and shows what comes; a newer question forgets an older one. */
@@ -145,6 +140,12 @@ export class DesignPanel {
 
   #take(shape) {
     this.#shape = shape;
+    try {
+      // Only now: it takes a while on machines without a graphics card.
+      this.#view ??= new View(byId("view"), showScale);
+    } catch {
+      say("This browser has no WebGL, which the picture in three dimensions needs.");
+    }
     this.#view?.take(shape);
     this.#curves.take(shape.scenarios);
     byId("caption").textContent = `middle of the wall, which is ${number(shape.thickness)} mm thick`;

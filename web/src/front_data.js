@@ -5,24 +5,24 @@ export const AXES = {
   objectives: {
     x: "bending",
     y: "blocking",
-    xTitle: "bending F_c, rad/(m J)^(1/p)",
-    yTitle: "blocking F_bf, N/kPa",
+    xName: ["bending F_c", "rad/(m J)^(1/p)"],
+    yName: ["blocking F_bf", "N/kPa"],
     scale: "linear",
     literature: false,
   },
   logarithmic: {
     x: "figure_of_merit",
     y: "max_force",
-    xTitle: "figure of merit, deg/(kPa m)",
-    yTitle: "largest force, N",
+    xName: ["figure of merit", "deg/(kPa m)"],
+    yName: ["largest force", "N"],
     scale: "logarithmic",
     literature: true,
   },
   linear: {
     x: "figure_of_merit",
     y: "max_force",
-    xTitle: "figure of merit, deg/(kPa m)",
-    yTitle: "largest force, N",
+    xName: ["figure of merit", "deg/(kPa m)"],
+    yName: ["largest force", "N"],
     scale: "linear",
     literature: true,
   },
@@ -78,7 +78,15 @@ export function placed(items, axes) {
     .filter(({ x, y }) => Number.isFinite(x) && Number.isFinite(y) && x >= least && y >= least);
 }
 
-/** Where linear axes end: beyond the run and nine tenths of the literature, with some room. */
+/** Where a logarithmic axis begins and ends: around all its values, with some room. */
+export function logarithmicLimits(values) {
+  const positive = values.filter((value) => value > 0);
+  if (positive.length === 0) return [0.1, 10];
+  const [least, most] = [(a, b) => Math.min(a, b), (a, b) => Math.max(a, b)].map((pick) => positive.reduce(pick));
+  return [least / 1.6, most * 1.6];
+}
+
+/** Where a linear axis ends: beyond the run and nine tenths of the literature, with some room. */
 export function linearLimit(own, literature) {
   const sorted = literature.filter(Number.isFinite).sort((a, b) => a - b);
   const most = sorted[Math.floor(0.9 * (sorted.length - 1))] ?? 0;

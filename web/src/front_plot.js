@@ -1,7 +1,7 @@
 // The Pareto front: the large points can be clicked, everything else is behind them.
 import { byId, choice } from "./dom.js";
 import { number, words } from "./format.js";
-import { AXES, growth, linearLimit, milestones, nonDominated, placed, staircase } from "./front_data.js";
+import { AXES, growth, linearLimit, logarithmicLimits, milestones, nonDominated, placed, staircase } from "./front_data.js";
 import { Chart, axis, baseOptions } from "./charts.js";
 import { colour, faint } from "./theme.js";
 
@@ -13,6 +13,9 @@ const SETS = [
   ["smith_2022_solid_front", "Smith 2022, solids", "rectRot", "smith", false],
   ["smith_2022_printed", "Smith 2022, printed", "star", "smith", false],
 ];
+
+/** The line along the front needs no name of its own. */
+const EDGE = "edge";
 
 export class FrontPlot {
   #run = { front: [], candidates: [], solids: [], literature: [] };
@@ -52,10 +55,18 @@ export class FrontPlot {
     this.#chart?.destroy();
     const axes = this.#settings();
     const options = baseOptions();
-    options.scales = { x: axis(axes.xTitle, axes.scale), y: axis(axes.yTitle, axes.scale) };
+    options.scales = { x: axis(axes.xName.join(", "), axes.scale), y: axis(axes.yName.join(", "), axes.scale) };
     options.plugins.legend = {
       position: "bottom",
-      labels: { usePointStyle: true, boxWidth: 8, boxHeight: 7, padding: 10, color: colour("muted"), font: { size: 11 } },
+      labels: {
+        usePointStyle: true,
+        boxWidth: 9,
+        boxHeight: 7,
+        padding: 10,
+        color: colour("muted"),
+        font: { size: 11 },
+        filter: ({ text }) => text !== EDGE,
+      },
     };
     options.plugins.tooltip.callbacks = { label: ({ raw }) => tooltip(raw.item, axes) };
     options.plugins.tooltip.filter = ({ raw }, at) => raw.item !== undefined && at === 0;
@@ -87,11 +98,13 @@ export class FrontPlot {
     const axes = this.#settings();
     const { data, options } = this.#chart;
     data.datasets = datasets(this.#run, axes);
-    if (axes.literature && axes.scale === "linear") {
+    if (axes.literature) {
       for (const name of ["x", "y"]) {
         const own = this.#run.candidates.map((candidate) => candidate[axes[name]]);
         const others = this.#run.literature.map((work) => work[axes[name]]);
-        options.scales[name].max = linearLimit(own, others);
+        const [min, max] =
+          axes.scale === "linear" ? [0, linearLimit(own, others)] : logarithmicLimits([...own, ...others]);
+        Object.assign(options.scales[name], { min, max });
       }
     }
     this.#chart.update("none");
@@ -209,7 +222,7 @@ function literature(run, axes) {
 function lines(run, front) {
   const line = { showLine: true, pointRadius: 0, pointHitRadius: 0, pointStyle: "line" };
   const shown = [{
-    label: "its edge",
+    label: EDGE,
     data: staircase(nonDominated(front)),
     borderColor: faint("front", 0.6),
     borderWidth: 1.2,
@@ -230,11 +243,12 @@ function lines(run, front) {
 }
 
 function tooltip(item, axes) {
-  const values = `${number(item[axes.x])}; ${number(item[axes.y])}`;
-  if (item.work !== undefined) return [`${item.work}, ${words(item.technique)}`, values];
-  if (item.verdict !== undefined) return [`${item.id} as a solid: ${words(item.verdict)}`, values];
-  const flags = item.flags === "" ? [] : [`flagged: ${words(item.flags).replaceAll(" ", ", ")}`];
-  return [item.id, values, ...flags];
+  const line = (value, [name, unit]) => `${name}: ${number(value)} ${unit}`;
+  const values = [line(item[axes.x], axes.xName), line(item[axes.y], axes.yName)];
+  if (item.work !== undefined) return [`${item.work}, ${words(item.technique)}`, ...values];
+  if (item.verdict !== undefined) return [`${item.id} as a solid: ${words(item.verdict)}`, ...values];
+  const flags = item.flags === "" ? [] : [`flagged: ${item.flags.split(" ").map(words).join(", ")}`];
+  return [item.id, ...values, ...flags];
 }
 
 /** What these axes leave out. */

@@ -32,9 +32,9 @@ export function showHeader(run) {
 }
 
 function progressOf(run) {
-  const parts = [`generation ${run.generation} of ${run.generations}`];
+  const parts = [`${run.generation} of ${run.generations} generations`];
   if (run.state !== "finished" && run.in_generation > 0) {
-    parts.push(`${run.in_generation} of ${run.population} in the next`);
+    parts.push(`${run.in_generation} of ${run.population} of the next`);
   }
   parts.push(`${count(run.evaluated)} evaluated`);
   if (run.state === "running" && Number.isFinite(run.seconds_left)) {

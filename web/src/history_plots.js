@@ -1,12 +1,12 @@
 // Two small charts above each other: hypervolume and spread by generation.
-import { Chart, axis, baseOptions } from "./charts.js";
+import { Chart, smallOptions } from "./charts.js";
 import { byId } from "./dom.js";
 import { number } from "./format.js";
 import { colour } from "./theme.js";
 
 const PLOTS = [
-  ["hypervolume", "hypervolume, F_c F_bf"],
-  ["spread", "spread, 1"],
+  ["hypervolume", "hypervolume, unit of F_c × F_bf"],
+  ["spread", "spread of the front, 1"],
 ];
 
 export class HistoryPlots {
@@ -28,12 +28,9 @@ export class HistoryPlots {
   restyle() {
     this.#charts.forEach((chart) => chart.destroy());
     this.#charts = PLOTS.map(([name, title]) => {
-      const options = baseOptions();
-      options.scales = { x: axis("generation", "linear", 11), y: axis(title, "linear", 11) };
-      options.scales.x.min = 0;
+      const options = smallOptions(title, name === "spread" ? "generation" : "");
       options.scales.x.ticks.precision = 0;
       options.scales.y.beginAtZero = true;
-      options.interaction = { mode: "nearest", axis: "x", intersect: false };
       options.plugins.tooltip.callbacks = {
         label: ({ raw: { x, y, row } }) => [
           `generation ${x}: ${number(y)}`,

@@ -248,7 +248,7 @@ function blockingPlane(shape, veil) {
   centre.addScaledVector(normal, normal.dot(point.clone().sub(centre)));
 
   const geometry = new PlaneGeometry(width, length);
-  const plane = new Mesh(geometry, new MeshBasicMaterial({ ...veil, color: colour("smith"), opacity: 0.16, side: DoubleSide }));
+  const plane = new Mesh(geometry, new MeshBasicMaterial({ ...veil, color: colour("smith"), opacity: 0.22, side: DoubleSide }));
   plane.add(new LineSegments(new EdgesGeometry(geometry), new LineBasicMaterial({ color: colour("smith") })));
   plane.applyMatrix4(new Matrix4().makeBasis(across, along, normal).setPosition(centre));
   return plane;

@@ -1,7 +1,7 @@
 // The front, its edge and its growth, on fronts drawn by hand.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { AXES, generationOf, growth, linearLimit, milestones, nonDominated, placed, staircase } from "../src/front_data.js";
+import { AXES, generationOf, growth, linearLimit, logarithmicLimits, milestones, nonDominated, placed, staircase } from "../src/front_data.js";
 
 const design = (id, bending, blocking) => ({ id, bending, blocking, figure_of_merit: bending, max_force: blocking });
 
@@ -41,4 +41,10 @@ test("one outlier does not decide the axes", () => {
   const others = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 1000];
   assert.ok(linearLimit([12], others) < 20);
   assert.ok(linearLimit([120], others) > 120);
+});
+
+test("logarithmic axes have room around what is positive", () => {
+  const [least, most] = logarithmicLimits([0, 0.02, 5, NaN]);
+  assert.ok(least > 0 && least < 0.02 && most > 5);
+  assert.deepEqual(logarithmicLimits([0]), [0.1, 10]);
 });
