@@ -32,12 +32,14 @@ async function checkPage(browser, url, pictures) {
     const load = await timeToFront(page);
     must(load < LOAD_LIMIT, `the front took ${load.toFixed(0)} ms, more than ${LOAD_LIMIT}`);
     loads.push(load);
-    const { front } = await page.evaluate(async () => (await fetch("/api/run")).json());
+    const { front } = await page.evaluate(async () => (await fetch("api/run")).json());
     must(front.length > 0, "the run has no front yet: nothing to click");
     await checkDesign(page, front[Math.floor(front.length / 2)]);
     if (window === WINDOWS[0]) await checkKeys(page, front);
     if (pictures) {
       const name = `page_${window.width}x${window.height}_${window.scheme}.png`;
+      await page.evaluate(() => window.scrollTo(0, 0));
+      await page.mouse.move(1, 1);
       await page.screenshot({ path: join(pictures, name) });
     }
     must(complaints.length === 0, complaints[0]);
@@ -48,11 +50,11 @@ async function checkPage(browser, url, pictures) {
 
 /** A click on a design's point shows it, and playing moves it. */
 async function checkDesign(page, id) {
-  await page.evaluate(() => document.querySelector("#front-plot").scrollIntoView());
+  await page.evaluate(() => document.querySelector("#front-plot").scrollIntoView({ block: "nearest" }));
   await clickPoint(page, id);
   await shapeOf(page);
   const chosen = await page.$eval("#front-list", (list) => list.value);
-  must(chosen !== "", `a click on the point of ${id} chose nothing`);
+  must(chosen === id, `a click on the point of ${id} chose ${chosen || "nothing"}`);
   const first = await readPicture(page);
   must(first.colours >= LEAST_COLOURS, `the picture of ${chosen} is blank: ${first.colours} colours`);
   await page.waitForFunction(() => document.querySelector("#play").textContent === "Play");
@@ -107,7 +109,7 @@ async function shapeOf(page) {
 async function checkHostile(browser, url) {
   const { page } = await open(browser, url, WINDOWS[0]);
   await timeToFront(page);
-  const { front, candidates } = await page.evaluate(async () => (await fetch("/api/run")).json());
+  const { front, candidates } = await page.evaluate(async () => (await fetch("api/run")).json());
   for (const id of [...front.slice(0, 3), ...candidates.filter(({ flags }) => flags.includes("<")).slice(0, 3).map((one) => one.id)]) {
     await page.evaluate((one) => (location.hash = encodeURIComponent(one)), id);
     await sleep(300);

@@ -5,9 +5,9 @@ const EVERY_WHEN_HIDDEN = 20000;
 const EVERY_WHEN_FINISHED = 10000;
 const PATIENCE = 15000;
 
-/** The answer of `/api/<path>`; throws an `Error` with the server's own line when it refuses. */
+/** The answer of `api/<path>`; throws an `Error` with the server's own line when it refuses. */
 export async function ask(path, signal) {
-  const response = await fetch(`/api/${path}`, { signal, cache: "no-store" });
+  const response = await fetch(`api/${path}`, { signal, cache: "no-store" });
   if (response.ok) return response.json();
   throw new Error(await reasonOf(response));
 }
@@ -23,7 +23,7 @@ async function reasonOf(response) {
 }
 
 /**
- * Calls `onRun(run)` whenever `/api/run` has changed, and `onContact(error)` after each question, with
+ * Calls `onRun(run)` whenever `api/run` has changed, and `onContact(error)` after each question, with
  * `null` where there was an answer. Asks less often while the page is hidden or the run is over.
  */
 export function poll(onRun, onContact) {
@@ -34,7 +34,7 @@ export function poll(onRun, onContact) {
   async function once() {
     clearTimeout(timer);
     try {
-      const response = await fetch("/api/run", {
+      const response = await fetch("api/run", {
         cache: "no-store",
         headers: tag ? { "If-None-Match": tag } : {},
         signal: AbortSignal.timeout(PATIENCE),

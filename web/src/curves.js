@@ -70,6 +70,7 @@ export class Curves {
       segment: { borderDash: ({ p1DataIndex }) => (rows[p1DataIndex].stability === "stable" ? undefined : [1, 3]) },
       order: name === "blocked" ? 0 : 1,
     }));
+    for (const name of ["x", "y"]) chart.options.scales[name].display = this.#scenarios.length > 0;
     chart.update("none");
   }
 

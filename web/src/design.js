@@ -14,6 +14,9 @@ const REST = 0.8;
 /** Shapes that are kept; one has some megabytes. */
 const KEPT = 12;
 
+/** Milliseconds before a shape is asked for: who walks along the front does not want all of them. */
+const PASSING = 250;
+
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 
 export class DesignPanel {
@@ -111,9 +114,8 @@ export class DesignPanel {
     const clock = setInterval(wait, 1000);
     wait();
     try {
-      const shape = this.#shapes.get(id) ?? prepare(await ask(`shape/${encodeURIComponent(id)}`, signal));
+      const shape = this.#shapes.get(id) ?? (await askShape(id, signal));
       if (signal.aborted) return;
-      clearInterval(clock);
       say("");
       this.#keep(id, shape);
       this.#time = calm.matches ? 1 : 0;
@@ -124,7 +126,6 @@ export class DesignPanel {
         this.#run();
       }
     } catch (error) {
-      clearInterval(clock);
       if (!signal.aborted) say(`No picture of ${id}: ${error.message}`);
     } finally {
       clearInterval(clock);
@@ -191,6 +192,13 @@ export class DesignPanel {
   }
 }
 
+/** The prepared shape of a design, asked for when the person has stayed with it for a moment. */
+async function askShape(id, signal) {
+  await new Promise((resolve) => setTimeout(resolve, PASSING));
+  signal.throwIfAborted();
+  return prepare(await ask(`shape/${encodeURIComponent(id)}`, signal));
+}
+
 /** A line over the picture; `busy` says that it will change by itself. */
 function say(text, busy = false) {
   const line = byId("message");
@@ -204,8 +212,8 @@ function showLegend(range, named) {
   if (!range) return;
   const [least, most] = range;
   byId("legend-title").textContent = named.title;
-  byId("legend-top").textContent = `≥ ${number(most)}`;
-  byId("legend-middle").textContent = number((least + most) / 2);
+  byId("legend-top").textContent = `≥ ${number(most, named.digits)}`;
+  byId("legend-middle").textContent = number((least + most) / 2, named.digits);
   byId("legend-bottom").textContent = number(least);
 }
 

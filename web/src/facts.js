@@ -8,7 +8,7 @@ const VERDICTS = {
   misleads: "The shell misleads: its answers are those of another part.",
 };
 
-/** Shows the answer of `/api/design/ID`; `null` empties the panels. */
+/** Shows the answer of `api/design/ID`; `null` empties the panels. */
 export function showFacts(design) {
   byId("evaluation").replaceChildren(...(design ? evaluationOf(design) : [hint("Choose a design.")]));
   byId("certificate-body").replaceChildren(

@@ -86,9 +86,12 @@ export function logarithmicLimits(values) {
   return [least / 1.6, most * 1.6];
 }
 
-/** Where a linear axis ends: beyond the run and nine tenths of the literature, with some room. */
+/** Where a linear axis ends, a round number: beyond the run and nine tenths of the literature. */
 export function linearLimit(own, literature) {
   const sorted = literature.filter(Number.isFinite).sort((a, b) => a - b);
   const most = sorted[Math.floor(0.9 * (sorted.length - 1))] ?? 0;
-  return 1.08 * own.reduce((a, b) => Math.max(a, b), most) || 1;
+  const limit = 1.05 * own.filter(Number.isFinite).reduce((a, b) => Math.max(a, b), most);
+  if (limit === 0) return 1;
+  const step = 10 ** Math.floor(Math.log10(limit)) / 2;
+  return step * Math.ceil(limit / step);
 }

@@ -100,10 +100,13 @@ export class FrontPlot {
     data.datasets = datasets(this.#run, axes);
     if (axes.literature) {
       for (const name of ["x", "y"]) {
-        const own = this.#run.candidates.map((candidate) => candidate[axes[name]]);
-        const others = this.#run.literature.map((work) => work[axes[name]]);
+        const read = (item) => item[axes[name]];
+        const others = this.#run.literature.map(read);
+        const front = frontOf(this.#run).map(read);
         const [min, max] =
-          axes.scale === "linear" ? [0, linearLimit(own, others)] : logarithmicLimits([...own, ...others]);
+          axes.scale === "linear"
+            ? [0, linearLimit(this.#run.candidates.map(read), others)]
+            : logarithmicLimits([...front, ...others]);
         Object.assign(options.scales[name], { min, max });
       }
     }
@@ -122,9 +125,14 @@ export class FrontPlot {
 
   /** The design under the mouse, of the front first. */
   #idAt(event) {
-    const hits = this.#chart.getElementsAtEventForMode(event, "nearest", { intersect: true }, true);
-    const near = hits.map(({ datasetIndex, index }) => this.#chart.data.datasets[datasetIndex].data[index].item);
-    const designs = near.filter((item) => item?.id);
+    const hits = this.#chart.getElementsAtEventForMode(event, "point", { intersect: true }, true);
+    const designs = hits
+      .map(({ datasetIndex, index, element }) => ({
+        id: this.#chart.data.datasets[datasetIndex].data[index].item?.id,
+        distance: Math.hypot(element.x - event.x, element.y - event.y),
+      }))
+      .filter(({ id }) => id !== undefined)
+      .sort((a, b) => a.distance - b.distance);
     return (designs.find(({ id }) => this.#run.front.includes(id)) ?? designs[0])?.id;
   }
 
@@ -152,10 +160,16 @@ export class FrontPlot {
   }
 }
 
+/** The candidates of the front, in its order. */
+function frontOf(run) {
+  const known = new Map(run.candidates.map((candidate) => [candidate.id, candidate]));
+  return run.front.map((id) => known.get(id)).filter(Boolean);
+}
+
 /** The chart's layers, the topmost first. */
 function datasets(run, axes) {
   const ids = new Set(run.front);
-  const front = run.front.map((id) => run.candidates.find((one) => one.id === id)).filter(Boolean);
+  const front = frontOf(run);
   const layers = [
     {
       label: "front",
@@ -171,7 +185,7 @@ function datasets(run, axes) {
   const solids = placed(run.solids, axes);
   if (solids.length > 0) {
     layers.push({
-      label: "the same as solids",
+      label: "front as solids",
       data: solids,
       pointStyle: "rectRot",
       backgroundColor: colour("solid"),
@@ -253,14 +267,14 @@ function tooltip(item, axes) {
 
 /** What these axes leave out. */
 function note(run, axes, scales) {
-  if (axes.scale === "logarithmic") {
-    const all = run.front.length;
-    const absent = run.candidates.length - placed(run.candidates, axes).length;
-    const front = all - placed(run.candidates.filter(({ id }) => run.front.includes(id)), axes).length;
-    if (absent === 0) return "";
-    return `Not on logarithmic axes: ${absent} designs without a force, ${front} of them on the front.`;
-  }
   if (!axes.literature) return "";
+  if (axes.scale === "logarithmic") {
+    const { x, y } = scales;
+    const isAbsent = (one) => !(one[axes.x] >= x.min && one[axes.x] <= x.max && one[axes.y] >= y.min && one[axes.y] <= y.max);
+    const absent = run.candidates.filter(isAbsent).length;
+    const front = frontOf(run).filter(isAbsent).length;
+    return absent === 0 ? "" : `Not on these axes: ${absent} designs of little or no force or angle, ${front} of them on the front.`;
+  }
   const beyond = run.literature.filter(
     (work) => work[axes.x] > scales.x.max || work[axes.y] > scales.y.max,
   );

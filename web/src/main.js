@@ -28,7 +28,7 @@ function show(answer) {
   if (!drawn) {
     drawn = true;
     performance.mark("front-drawn");
-    if (location.hash.length > 1) choose(decodeURIComponent(location.hash.slice(1)));
+    choose(idInAddress());
   }
 }
 
@@ -42,13 +42,22 @@ function choose(id) {
   listFront();
 }
 
+/** The id that the address ends with; nothing where there is none, or no such word. */
+function idInAddress() {
+  try {
+    return decodeURIComponent(location.hash.slice(1));
+  } catch {
+    return "";
+  }
+}
+
 /** The front as a list, and the chosen design where it is not on the front (any more). */
 function listFront() {
   const ids = chosen && !run.front.includes(chosen) ? [chosen, ...run.front] : run.front;
   const list = byId("front-list");
   const same = list.options.length === ids.length + 1 && ids.every((id, k) => list.options[k + 1].value === id);
   if (!same) {
-    const invitation = new Option(`choose one of ${run.front.length}`, "");
+    const invitation = new Option(run.front.length > 0 ? `choose one of ${run.front.length}` : "no design yet", "");
     invitation.disabled = true;
     list.replaceChildren(invitation, ...ids.map((id) => new Option(id, id)));
   }
@@ -94,7 +103,7 @@ byId("front-list").addEventListener("change", (event) => {
   choose(event.target.value);
   event.target.blur();
 });
-window.addEventListener("hashchange", () => choose(decodeURIComponent(location.hash.slice(1))));
+window.addEventListener("hashchange", () => choose(idInAddress()));
 onSchemeChange(() => {
   front.restyle();
   history.restyle();

@@ -1,9 +1,9 @@
 // A design's deformation as arrays: places between the recorded frames, and the ranges of its colours.
 
-/** What may be shown as colour: name, title with unit, value at rest. */
+/** What may be shown as colour: name, title with unit, value at rest, digits that tell. */
 export const COLOURS = {
-  stress: { title: "largest principal stress, MPa", rest: 0 },
-  stretch: { title: "largest principal stretch, 1", rest: 1 },
+  stress: { title: "largest principal stress, MPa", rest: 0, digits: 2 },
+  stretch: { title: "largest principal stretch, 1", rest: 1, digits: 4 },
 };
 /** The share of all values that the ramp covers: the few beyond sit in single sharp folds. */
 const COVERED = 0.995;

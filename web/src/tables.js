@@ -18,22 +18,24 @@ function bar(label, value, share, kind, title) {
   return line;
 }
 
+/** The lines of a list, or one that says why there are none. */
+const orNone = (lines, why) => (lines.length > 0 ? lines : [element("li", "none", why)]);
+
 /** How candidates ended, the most frequent first. */
 export function showOutcomes(run) {
   const all = run.outcomes.reduce((sum, { candidates }) => sum + candidates, 0);
   const most = Math.max(1, ...run.outcomes.map(({ candidates }) => candidates));
   const sorted = [...run.outcomes].sort((a, b) => a.rejected - b.rejected || b.candidates - a.candidates);
-  byId("outcome-bars").replaceChildren(
-    ...sorted.map(({ outcome, rejected, candidates }) =>
-      bar(
-        words(outcome),
-        `${count(candidates)} · ${percent(candidates / all)}`,
-        candidates / most,
-        rejected ? "rejected" : "evaluated",
-        rejected ? `rejected: ${outcome}` : `evaluated; the path ended: ${outcome}`,
-      ),
+  const lines = sorted.map(({ outcome, rejected, candidates }) =>
+    bar(
+      words(outcome),
+      `${count(candidates)} · ${percent(candidates / all)}`,
+      candidates / most,
+      rejected ? "rejected" : "evaluated",
+      rejected ? `rejected: ${outcome}` : `evaluated; the path ended: ${outcome}`,
     ),
   );
+  byId("outcome-bars").replaceChildren(...orNone(lines, "No candidate has ended yet."));
 }
 
 /** Candidates by rank, how fast each one is, and when the run will be over. */
@@ -86,6 +88,5 @@ export function showFlags(run) {
       line.append(element("span", "meaning", MEANINGS[flag] ?? ""));
       return line;
     });
-  const none = element("li", "none", "None of the evaluated designs is flagged.");
-  byId("flag-list").replaceChildren(...(lines.length > 0 ? lines : [none]));
+  byId("flag-list").replaceChildren(...orNone(lines, "None of the evaluated designs is flagged."));
 }
