@@ -216,7 +216,8 @@ function datasets(run, axes) {
     radius: 2,
     hitRadius: 1,
   });
-  return layers.map((layer) => ({ pointStyle: "circle", ...layer }));
+  // Marks on an axis are whole.
+  return layers.map((layer) => ({ pointStyle: "circle", clip: layer.showLine ? 0 : 8, ...layer }));
 }
 
 function literature(run, axes) {

@@ -235,11 +235,11 @@ function clamp({ reference }, veil) {
   return disc;
 }
 
-/** The plane, as wide as the part is long, upright where it can be, with its edge drawn. */
+/** The plane, as large as the part ever is that it blocks, upright where it can be, with its edge drawn. */
 function blockingPlane(shape, veil) {
   const [normal, point] = [new Vector3(...shape.plane.normal).normalize(), new Vector3(...shape.plane.point)];
-  const { min, max } = boundsOf({ ...shape, scenarios: [] });
-  const [length, width] = [1.1 * (max.z - min.z), 1.5 * Math.max(max.x - min.x, max.y - min.y)];
+  const { min, max } = boundsOf({ ...shape, scenarios: shape.scenarios.filter(({ name }) => name === "blocked") });
+  const [length, width] = [1.05 * (max.z - min.z), 1.1 * Math.max(max.x - min.x, max.y - min.y)];
   const axis = Math.abs(normal.z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
   const across = new Vector3().crossVectors(axis, normal).normalize();
   const along = new Vector3().crossVectors(normal, across);
