@@ -50,6 +50,8 @@ export class DesignPanel {
       this.#draw();
     });
     showFacts(null);
+    // Where all columns fit beside each other there is room for the genome.
+    byId("genome").open = matchMedia("(min-width: 1600px)").matches;
     say("Choose a design: click a point of the front, or press an arrow key.");
   }
 

@@ -46,7 +46,7 @@ export function showRanks(run) {
   );
   const total = (name) => run.ranks.reduce((sum, row) => sum + (row[name] || 0), 0);
   if (run.ranks.length > 1) {
-    rows.push(
+    rows.unshift(
       element("tr", "total", cell("all"), cell(count(total("candidates"))), cell(count(total("per_hour")))),
     );
   }

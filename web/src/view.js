@@ -73,10 +73,10 @@ export class View {
 
   /** Shows nothing. */
   clear() {
-    for (const child of this.#part.children) {
-      child.geometry.dispose();
-      child.material.dispose();
-    }
+    this.#part.traverse(({ geometry, material }) => {
+      geometry?.dispose();
+      material?.dispose();
+    });
     this.#part.clear();
     this.#shape = null;
     this.#redraw();
@@ -99,8 +99,9 @@ export class View {
     ghost.setIndex(shape.triangles);
     ghost.setAttribute("position", new BufferAttribute(shape.reference, 3));
     const veil = { color: colour("muted"), transparent: true, opacity: 0.1, depthWrite: false };
-    this.#plane = blockingPlane(shape, veil);
-    this.#part.add(this.#surface, new Mesh(ghost, new MeshBasicMaterial(veil)), clamp(shape, veil), this.#plane);
+    this.#part.add(this.#surface, new Mesh(ghost, new MeshBasicMaterial(veil)), clamp(shape, veil));
+    this.#plane = shape.plane ? blockingPlane(shape, veil) : null;
+    if (this.#plane) this.#part.add(this.#plane);
     if (!this.#turned) this.#aim();
     this.#fit();
   }
@@ -123,7 +124,7 @@ export class View {
       });
     }
     color.needsUpdate = true;
-    this.#plane.visible = scenario.name === "blocked";
+    if (this.#plane) this.#plane.visible = scenario.name === "blocked";
     this.#redraw();
   }
 
