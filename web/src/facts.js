@@ -17,7 +17,7 @@ export function showFacts(design) {
   const genes = design?.genome ?? [];
   byId("genome").hidden = genes.length === 0;
   byId("genes").replaceChildren(
-    ...definitions(genes.map(({ name, value }) => [words(name), number(value, 4)])),
+    ...definitions(genes.map(({ name, value }) => [name, number(value, 4)])),
   );
 }
 

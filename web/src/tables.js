@@ -52,11 +52,9 @@ export function showRanks(run) {
   }
   const head = ["rank", "candidates", "per hour"].map((name) => element("th", "", name));
   const left = element("caption", "", timeLeft(run));
-  byId("ranks").replaceChildren(
-    left,
-    element("thead", "", element("tr", "", ...head)),
-    element("tbody", "", ...rows),
-  );
+  byId("ranks").replaceChildren(left);
+  if (rows.length === 0) return;
+  byId("ranks").append(element("thead", "", element("tr", "", ...head)), element("tbody", "", ...rows));
 }
 
 function timeLeft(run) {
