@@ -1,7 +1,7 @@
 // The chosen design: asks for it, plays its deformation, and keeps picture, curves and figures in step.
 import { ask } from "./api.js";
 import { byId, choice } from "./dom.js";
-import { number } from "./format.js";
+import { number, words } from "./format.js";
 import { Curves } from "./curves.js";
 import { showFacts, showNoFacts } from "./facts.js";
 import { drawRamp } from "./ramp.js";
@@ -33,10 +33,21 @@ export class DesignPanel {
 
   constructor() {
     const redraw = () => this.#draw();
-    this.#scenario = choice(byId("scenario"), [["bending", "Bending", "B: free"], ["blocked", "Blocked", "B: a plane in its way"]], redraw);
+    this.#scenario = choice(
+      byId("scenario"),
+      [
+        ["bending", "Bending", "B: free"],
+        ["blocked", "Blocked", "B: a plane in its way"],
+      ],
+      redraw,
+    );
     this.#colour = choice(
       byId("colour"),
-      [["stress", "Stress", "C: largest principal stress"], ["stretch", "Stretch", "C: largest principal stretch"], ["plain", "Plain", "C: no colour"]],
+      [
+        ["stress", "Stress", "C: largest principal stress"],
+        ["stretch", "Stretch", "C: largest principal stretch"],
+        ["plain", "Plain", "C: no colour"],
+      ],
       redraw,
     );
     drawRamp(byId("legend-ramp"));
@@ -151,7 +162,6 @@ export class DesignPanel {
     }
     this.#view?.take(shape);
     this.#curves.take(shape.scenarios);
-    byId("caption").textContent = `middle of the wall, which is ${number(shape.thickness)} mm thick`;
     for (const control of [byId("play"), byId("place")]) control.disabled = false;
     this.#draw();
   }
@@ -188,6 +198,7 @@ export class DesignPanel {
     byId("place").value = String(Math.round(1000 * this.#time));
     const force = scenario.name === "blocked" ? ` · ${number(read("plane_force"))} N` : "";
     byId("frame").textContent = `${read("pressure").toFixed(3)} MPa · ${read("angle_deg").toFixed(1)}°${force}`;
+    byId("caption").textContent = captionOf(this.#shape, scenario);
     this.#view?.show(scenario, place, this.#colour.value);
     this.#curves.mark(scenario, place);
     showLegend(this.#shape.ranges[this.#colour.value], COLOURS[this.#colour.value]);
@@ -199,6 +210,13 @@ async function askShape(id, signal) {
   await new Promise((resolve) => setTimeout(resolve, PASSING));
   signal.throwIfAborted();
   return prepare(await ask(`shape/${encodeURIComponent(id)}`, signal));
+}
+
+/** What is shown, and why the path goes no further where it was not walked to its end. */
+function captionOf({ thickness }, { ending, rows }) {
+  const wall = `middle of the wall, ${number(thickness)} mm thick`;
+  if (ending === "reached") return wall;
+  return `${words(ending)} at ${number(rows.at(-1).pressure)} MPa · ${wall}`;
 }
 
 /** A line over the picture; `busy` says that it will change by itself. */
