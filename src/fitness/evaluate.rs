@@ -14,7 +14,9 @@ use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
 use crate::model::system::System;
 use crate::model::{DEFAULT_STRETCH_BOUND, PartModel, Support};
-use crate::solve::{Backend, Ending, Path, PathSettings, SolveTimes, SolverFailure, follow};
+use crate::solve::{
+    Backend, Ending, Path, PathPoint, PathSettings, SolveTimes, SolverFailure, follow, follow_from,
+};
 
 /// The loading programme.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -162,7 +164,9 @@ pub fn evaluate_model(
         None => free.clone(),
         Some(first) => {
             let common = free.points[..first].to_vec();
-            follow(&mut model, solver.as_mut(), load.pressure, common, &load.path)?
+            let onto_plane = |last: &PathPoint| free.points[first].drive - last.drive;
+            let step = common.last().map_or(f64::INFINITY, |last| ONTO_PLANE * onto_plane(last));
+            follow_from(&mut model, solver.as_mut(), load.pressure, common, step, &load.path)?
         }
     };
     if let Some(rejected) = cut_short(&blocked, load.pressure, "blocking") {
@@ -201,6 +205,10 @@ pub fn evaluate_model(
     let times = solver.times();
     Ok(Ok((evaluation, Scenarios { model, free, blocked, free_rows, blocked_rows, times })))
 }
+
+/// The first step towards the plane, as a share of that which went through it freely: the touch lies somewhere inside. Six evolved
+/// bellows take 693 iterations with a quarter, 717 with a half, 709 with the whole.
+const ONTO_PLANE: f64 = 0.25;
 
 /// A number that is none says nothing about its design, and no file of a run can hold it.
 fn not_finite(evaluation: &Evaluation) -> Option<Rejected> {

@@ -42,7 +42,7 @@ pub use hermite::{Cubic, Segment};
 pub use job::{Job, Message, confined};
 pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use native::NativeSolver;
-pub use path::{Path, PathPoint, PathSettings, Programme, follow};
+pub use path::{Path, PathPoint, PathSettings, Programme, follow, follow_from};
 #[cfg(feature = "petsc")]
 pub use petsc::Snes;
 pub use snap::Snap;

@@ -6,7 +6,7 @@
 //! the change of the path's direction, and it is halved when Newton's method fails, when it met an indefinite tangent, and
 //! when the work done is not the energy stored. What is still so at the smallest step is a loss of stability: the
 //! state falls to the next stable one (`snap.rs`), which is recorded. A step starts from a prediction: the cubic through the last
-//! two states and their tangents
+//! two states and their tangents, or between the last and one ahead that a longer step has found and nobody believed
 //!
 //! ```text
 //! K dx/dload = dC/dx          dC/dload = dC/dx . dx/dload          C = conjugate of the load (volume)
@@ -180,6 +180,21 @@ pub fn follow(
     points: Vec<PathPoint>,
     settings: &PathSettings,
 ) -> Result<Path, SolverFailure> {
+    follow_from(system, solver, programme, points, f64::INFINITY, settings)
+}
+
+/// As [`follow`], with `step` of the drive, or less, as the first: one who goes on from another path knows how coarse it was.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_from(
+    system: &mut dyn LoadedSystem,
+    solver: &mut dyn EquilibriumSolver,
+    programme: impl Into<Programme>,
+    points: Vec<PathPoint>,
+    step: f64,
+    settings: &PathSettings,
+) -> Result<Path, SolverFailure> {
     let programme = programme.into();
     let supply = match programme {
         Programme::Driven { supply, .. } => supply,
@@ -191,8 +206,9 @@ pub fn follow(
         settings,
         supply,
         span: 1.0,
-        step: f64::INFINITY,
+        step,
         points,
+        ahead: Vec::new(),
         iterations: 0,
         cuts: 0,
         spent: 0,

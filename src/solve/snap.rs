@@ -135,8 +135,13 @@ impl Walk<'_> {
             most_shifted: FEW_SHIFTED,
         };
         let mut damped = Damped { anchor: state.x.clone(), damping, system: &mut *self.system };
-        let mut walk =
-            Walk { system: &mut damped, solver: &mut *self.solver, points: Vec::new(), ..*self };
+        let mut walk = Walk {
+            system: &mut damped,
+            solver: &mut *self.solver,
+            points: Vec::new(),
+            ahead: Vec::new(),
+            ..*self
+        };
         let report = walk.solve(drive, state, &newton)?;
         (self.iterations, self.spent) = (walk.iterations, walk.spent);
         Ok(report)

@@ -22,6 +22,8 @@ pub(super) struct Walk<'a> {
     /// The step to try next.
     pub step: f64,
     pub points: Vec<PathPoint>,
+    /// Equilibria ahead that steps too coarse to be believed have found.
+    pub ahead: Vec<PathPoint>,
     /// Newton iterations since the last accepted point.
     pub iterations: usize,
     /// Steps given up since the last accepted point.
@@ -126,14 +128,16 @@ impl Walk<'_> {
             let drive = if step == left { target } else { from + step };
             let halved = 0.5 * step;
             let may_halve = halved / smallest >= 1.0 - 1e-9;
-            let guess = self.prediction(drive);
+            // The smallest step is to follow its own branch: what was found ahead may lie on another.
+            let guess = self.prediction(drive, may_halve);
             let predicted = guess.clone();
+            let spent = self.spent;
             let tried =
                 self.equilibrium(drive, guess, if may_halve { PATIENCE } else { usize::MAX })?;
             match tried {
                 // At the smallest step only a tangent that was indefinite on the way tells a jump from a stiff start.
                 Ok(mut point) if self.resolves(&point) || (!may_halve && self.shifted == 0) => {
-                    self.step = step * self.growth(&point, &predicted);
+                    self.step = step * self.growth(&point, &predicted, self.spent - spent);
                     point.is_sample = drive == target;
                     self.accept(point);
                     if drive == target {
@@ -143,7 +147,8 @@ impl Walk<'_> {
                 Err(Missed { ending: Ending::BudgetSpent, .. }) => {
                     return Ok(Some(Ending::BudgetSpent));
                 }
-                _ if may_halve => {
+                unresolved if may_halve => {
+                    self.ahead.extend(unresolved);
                     self.system.rewind();
                     self.step = halved;
                     self.cuts += 1;
@@ -157,6 +162,7 @@ impl Walk<'_> {
                 unresolved => {
                     self.system.rewind();
                     let saddle = unresolved.err().and_then(|missed| missed.unstable);
+                    self.ahead.clear();
                     match self.fall_beyond(step, target, saddle)? {
                         Ok(mut point) => {
                             self.step = 4.0 * smallest;
@@ -197,16 +203,16 @@ impl Walk<'_> {
         }
     }
 
-    /// The factor on the next step: less where Newton's method had much to do, more where it had little and the prediction was
-    /// near.
-    fn growth(&self, point: &PathPoint, predicted: &State) -> f64 {
+    /// The factor on the next step: less where Newton's method had much to do in its `iterations`, more where it had little and the
+    /// prediction was near.
+    fn growth(&self, point: &PathPoint, predicted: &State, iterations: usize) -> f64 {
         let last = self.last();
         let (mut missed, mut moved) = (0.0, 0.0);
         for ((x, guess), before) in point.x.iter().zip(&predicted.x).zip(&last.x) {
             missed += (x - guess) * (x - guess);
             moved += (x - before) * (x - before);
         }
-        let by_work = (EASY_ITERATIONS / self.iterations.max(1) as f64).sqrt();
+        let by_work = (EASY_ITERATIONS / iterations.max(1) as f64).sqrt();
         // The prediction's error is of third order or better.
         let by_shape =
             if moved > 0.0 { (NEAR * NEAR * moved / missed).powf(1.0 / 6.0) } else { 2.0 };
@@ -217,6 +223,10 @@ impl Walk<'_> {
         let heat = self.system.settle(&point.x);
         point.dissipated += heat;
         point.stored_energy -= heat;
+        if let Some(last) = self.points.last() {
+            let forward = point.drive - last.drive;
+            self.ahead.retain(|ahead| (ahead.drive - point.drive) / forward > 1e-9);
+        }
         self.points.push(point);
         (self.iterations, self.cuts) = (0, 0);
     }
@@ -360,8 +370,9 @@ impl Walk<'_> {
         self.points.last().expect("the start is accepted first")
     }
 
-    /// The better of the cubic and the tangent by the size of their residual; the last state where neither is admissible.
-    fn prediction(&mut self, drive: f64) -> State {
+    /// The best by the size of their residual of tangent, cubic, and cubic to what is known ahead, where that is to be looked at; the
+    /// last state where none is admissible.
+    fn prediction(&mut self, drive: f64, looks_ahead: bool) -> State {
         let last = self.last();
         let step = drive - last.drive;
         let mut candidates = vec![tangent_step(last, step)];
@@ -369,6 +380,11 @@ impl Walk<'_> {
             && last.snap.is_none()
         {
             candidates.push(cubic_step(before, last, step));
+        }
+        let distance = |ahead: &&PathPoint| (ahead.drive - last.drive).abs();
+        let nearest = self.ahead.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if let Some(ahead) = nearest.filter(|_| looks_ahead) {
+            candidates.push(cubic_step(ahead, last, step));
         }
         let start = State { x: last.x.clone(), load: last.load };
         best_prediction(self.system, start, candidates)
