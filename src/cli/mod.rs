@@ -4,6 +4,7 @@ mod certify;
 mod closed_part;
 mod contact_rows;
 mod design_folder;
+mod doctor;
 mod evaluations;
 mod evolve;
 mod formula;
@@ -43,11 +44,13 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::error::ErrorKind;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 
 use self::verify::Selection;
 use self::verify_cases::{CURVES, SHELLS};
 use self::verify_files::SceneFolder;
+use crate::io::OutputFolder;
 use crate::mesh::ShellElement;
 use crate::solve::{Backend, Job};
 
@@ -160,10 +163,27 @@ enum Command {
         #[arg(long, default_value = "127.0.0.1")]
         listen: IpAddr,
     },
-    /// Draw the figures of a run and print its front.
+    /// Draw the figures of a run (SVG, PNG, PDF), write it as one page (report.html), and print its front.
     Report {
         /// The folder of a run.
         run: PathBuf,
+    },
+    /// Look at what this machine has of what the program can use; the exit code is 1 when something is missing.
+    Doctor {
+        /// Print the findings as JSON instead of words.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print the completions of a shell.
+    Completions {
+        /// Which shell.
+        shell: Shell,
+    },
+    /// Write the manual pages.
+    Manual {
+        /// Folder for them; must not exist.
+        #[arg(long)]
+        out: PathBuf,
     },
 }
 
@@ -363,6 +383,17 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         #[cfg(feature = "monitor")]
         Command::Monitor { run, port, listen } => monitor::run(&run, listen, port),
         Command::Report { run } => report::run(&run),
+        Command::Doctor { json } => doctor::run(json),
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "pneumorph", &mut text);
+            say(&String::from_utf8_lossy(&text));
+            Ok(())
+        }
+        Command::Manual { out } => {
+            let folder = OutputFolder::create_new(&out)?;
+            Ok(clap_mangen::generate_to(Arguments::command(), folder.path())?)
+        }
     };
     done.map(|()| ExitCode::SUCCESS)
 }

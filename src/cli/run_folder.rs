@@ -210,6 +210,15 @@ impl RunFolder {
         Ok(log.sync()?)
     }
 
+    /// The front of the `search` with what was recorded of its members.
+    pub(super) fn front(
+        &self,
+        search: &Nsga2,
+        records: &[Record],
+    ) -> anyhow::Result<Vec<FrontPoint>> {
+        front_points(&search.front(), records).with_context(|| self.path().display().to_string())
+    }
+
     /// Writes tables and figures of what the run has found; returns the table for the terminal.
     pub(super) fn write_results(
         &self,
@@ -217,8 +226,7 @@ impl RunFolder {
         history: &[HistoryRow],
         records: &[Record],
     ) -> anyhow::Result<String> {
-        let front = front_points(&search.front(), records)
-            .with_context(|| self.path().display().to_string())?;
+        let front = self.front(search, records)?;
         csv::write(&self.file("history.csv"), history)?;
         if front.is_empty() {
             atomic::write(&self.file("front.csv"), FRONT_HEADER.as_bytes())?;
@@ -272,8 +280,7 @@ impl RunFolder {
         records: &[Record],
     ) -> anyhow::Result<()> {
         csv::write(&self.file(SOLID_FRONT), solids)?;
-        let front = front_points(&search.front(), records)
-            .with_context(|| self.path().display().to_string())?;
+        let front = self.front(search, records)?;
         let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
         self.write_fronts(&front, records, &solids)
     }

@@ -66,10 +66,13 @@ fn metric([a, b, c]: [Vec3; 3]) -> [f64; 3] {
 
 fn state_of_facet(material: &Material, rest: [f64; 3], now: [f64; 3]) -> MembraneState {
     let det = |[a, b, c]: [f64; 3]| a * b - c * c;
-    let trace = (rest[1] * now[0] + rest[0] * now[1] - 2.0 * rest[2] * now[2]) / det(rest);
-    let j = det(now) / det(rest);
-    // Rounding may put equal stretches on the wrong side of zero.
-    let square = 0.5 * trace + (0.25 * trace * trace - j).max(0.0).sqrt();
+    let row = |a: f64, b: f64| {
+        [a * now[0] + b * now[2], a * now[2] + b * now[1]].map(|entry| entry / det(rest))
+    };
+    // G^-1 g; the difference of its eigenvalues from its entries, as that of their invariants cancels where they are equal.
+    let [[a, b], [c, d]] = [row(rest[1], -rest[2]), row(-rest[2], rest[0])];
+    let (trace, j) = (a + d, det(now) / det(rest));
+    let square = 0.5 * trace + (0.25 * (a - d) * (a - d) + b * c).max(0.0).sqrt();
     let psi = material.density(trace, j);
     let volume = j.sqrt() * material.thickness_stretch(trace, j).value;
     let stress = 2.0 * (square * psi.first[0] + j * psi.first[1]) / volume;

@@ -42,16 +42,31 @@ pub(super) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> St
 /// When `svg` is not an SVG, or the scaled image has no pixels or more than memory holds.
 #[must_use]
 pub fn png(svg: &str, scale: f32) -> Vec<u8> {
+    let tree = tree(svg);
+    let size = tree.size().to_int_size().scale_by(scale).expect("the image has pixels");
+    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).expect("memory for it");
+    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    pixels.encode_png().expect("a pixel map has a PNG form")
+}
+
+/// The PDF of an SVG figure, lettered in DejaVu Sans on every machine.
+///
+/// # Panics
+/// When `svg` is not an SVG.
+#[must_use]
+pub fn pdf(svg: &str) -> Vec<u8> {
+    let conversion = svg2pdf::ConversionOptions::default();
+    let page = svg2pdf::PageOptions::default();
+    svg2pdf::to_pdf(&tree(svg), conversion, page).expect("the font is part of the program")
+}
+
+fn tree(svg: &str) -> usvg::Tree {
     let mut fonts = usvg::fontdb::Database::new();
     fonts.load_font_data(dejavu::sans::regular().to_vec());
     fonts.load_font_data(dejavu::sans::bold().to_vec());
     fonts.set_sans_serif_family("DejaVu Sans");
     let options = usvg::Options { fontdb: Arc::new(fonts), ..usvg::Options::default() };
-    let tree = usvg::Tree::from_str(svg, &options).expect("the figure is an SVG");
-    let size = tree.size().to_int_size().scale_by(scale).expect("the image has pixels");
-    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).expect("memory for it");
-    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    pixels.encode_png().expect("a pixel map has a PNG form")
+    usvg::Tree::from_str(svg, &options).expect("the figure is an SVG")
 }
 
 /// Lettering `height` pixels high.

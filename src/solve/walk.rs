@@ -131,13 +131,12 @@ impl Walk<'_> {
             // The smallest step is to follow its own branch: what was found ahead may lie on another.
             let guess = self.prediction(drive, may_halve);
             let predicted = guess.clone();
-            let spent = self.spent;
             let tried =
                 self.equilibrium(drive, guess, if may_halve { PATIENCE } else { usize::MAX })?;
             match tried {
                 // At the smallest step only a tangent that was indefinite on the way tells a jump from a stiff start.
                 Ok(mut point) if self.resolves(&point) || (!may_halve && self.shifted == 0) => {
-                    self.step = step * self.growth(&point, &predicted, self.spent - spent);
+                    self.step = step * self.growth(&point, &predicted);
                     point.is_sample = drive == target;
                     self.accept(point);
                     if drive == target {
@@ -203,16 +202,16 @@ impl Walk<'_> {
         }
     }
 
-    /// The factor on the next step: less where Newton's method had much to do in its `iterations`, more where it had little and the
-    /// prediction was near.
-    fn growth(&self, point: &PathPoint, predicted: &State, iterations: usize) -> f64 {
+    /// The factor on the next step: less where Newton's method had much to do, more where it had little and the prediction was
+    /// near. What was spent on longer steps counts: a part that refused them is walked with care, and its work adds up.
+    fn growth(&self, point: &PathPoint, predicted: &State) -> f64 {
         let last = self.last();
         let (mut missed, mut moved) = (0.0, 0.0);
         for ((x, guess), before) in point.x.iter().zip(&predicted.x).zip(&last.x) {
             missed += (x - guess) * (x - guess);
             moved += (x - before) * (x - before);
         }
-        let by_work = (EASY_ITERATIONS / iterations.max(1) as f64).sqrt();
+        let by_work = (EASY_ITERATIONS / self.iterations.max(1) as f64).sqrt();
         // The prediction's error is of third order or better.
         let by_shape =
             if moved > 0.0 { (NEAR * NEAR * moved / missed).powf(1.0 / 6.0) } else { 2.0 };
