@@ -1,7 +1,7 @@
 //! Laws in the invariants of the stretches that leave the volume alone.
 //!
 //! ```text
-//! psi_iso = c_1 x + c_2 x^2 + c_3 x^3 + d y,    x = J^(-2/3) I1 - 3,    y = J^(-4/3) I2 - 3
+//! psi_iso = psi(x) + d y,    x = J^(-2/3) I1 - 3,    y = J^(-4/3) I2 - 3
 //! I1 = F : F,                    dI1 = 2 F,              d2I1 = 2 d_ik d_JL
 //! I2 = (I1^2 - C : C) / 2,       dI2 = 2 (I1 F - F C),
 //!      d2I2 = 2 (2 F_iJ F_kL - F_iL F_kJ + (I1 d_JL - C_JL) d_ik - B_ik d_JL)
@@ -13,71 +13,55 @@
 
 use nalgebra::Matrix3;
 
-use super::super::{MooneyRivlin, NeoHookean, Yeoh};
 use super::{LOWER, SolidResponse, mirror};
 
-/// The coefficients of the formula above, MPa.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Polynomial {
-    c: [f64; 3],
+/// `psi_iso` at `f`, MPa, of `psi(x)` and `d`, MPa.
+pub(in crate::model::material) fn energy(
+    f: &Matrix3<f64>,
+    psi: impl Fn(f64) -> f64,
     d: f64,
+) -> f64 {
+    let q = f.determinant().cbrt().powi(-2);
+    let i1 = f.norm_squared();
+    let psi = psi(q * i1 - 3.0);
+    if d == 0.0 {
+        return psi;
+    }
+    let i2 = second_invariant(i1, &f.tr_mul(f));
+    psi + d * (q * q * i2 - 3.0)
 }
 
-impl From<&NeoHookean> for Polynomial {
-    fn from(law: &NeoHookean) -> Self {
-        Self { c: [0.5 * law.mu, 0.0, 0.0], d: 0.0 }
-    }
-}
-
-impl From<&MooneyRivlin> for Polynomial {
-    fn from(law: &MooneyRivlin) -> Self {
-        Self { c: [law.c1, 0.0, 0.0], d: law.c2 }
-    }
-}
-
-impl From<&Yeoh> for Polynomial {
-    fn from(law: &Yeoh) -> Self {
-        Self { c: law.c, d: 0.0 }
-    }
-}
-
-impl Polynomial {
-    pub(super) fn energy(&self, f: &Matrix3<f64>) -> f64 {
-        let q = f.determinant().cbrt().powi(-2);
-        let i1 = f.norm_squared();
-        let [psi, ..] = self.of_first(q * i1 - 3.0);
-        if self.d == 0.0 {
-            return psi;
-        }
-        let i2 = second_invariant(i1, &f.tr_mul(f));
-        psi + self.d * (q * q * i2 - 3.0)
-    }
-
-    pub(super) fn response(&self, f: &Matrix3<f64>, with_moduli: bool) -> SolidResponse {
+/// The same with its derivatives by `f`, of `psi` with its first and second derivative by `x`.
+pub(in crate::model::material) fn response(
+    f: &Matrix3<f64>,
+    with_moduli: bool,
+    psi: impl Fn(f64) -> [f64; 3],
+    d: f64,
+) -> SolidResponse {
         let cofactor = cofactor(f);
         let j = f.column(0).dot(&cofactor.column(0));
         let g = cofactor / j;
         let q = j.cbrt().powi(-2);
         let i1 = f.norm_squared();
-        let [psi, d1, d11] = self.of_first(q * i1 - 3.0);
+        let [energy, d1, d11] = psi(q * i1 - 3.0);
         let first = (f - i1 / 3.0 * g) * (2.0 * q);
         let mut response =
-            SolidResponse { energy: psi, stress: d1 * first, moduli: Default::default() };
+            SolidResponse { energy, stress: d1 * first, moduli: Default::default() };
         let mut sum = Moduli {
             identity: 2.0 * d1 * q,
             crossed: 2.0 / 3.0 * d1 * q * i1,
             mixed: (f - i1 / 6.0 * g) * (-4.0 / 3.0 * d1 * q),
         };
         let mut second = None;
-        if self.d != 0.0 {
+        if d != 0.0 {
             let c = f.tr_mul(f);
             let (i2, q2) = (second_invariant(i1, &c), q * q);
             let slope = i1 * f - f * c;
-            response.energy += self.d * (q2 * i2 - 3.0);
-            response.stress += (slope - 2.0 / 3.0 * i2 * g) * (2.0 * q2 * self.d);
-            sum.crossed += 4.0 / 3.0 * self.d * q2 * i2;
-            sum.mixed += (slope - i2 / 3.0 * g) * (-8.0 / 3.0 * self.d * q2);
-            second = Some((2.0 * self.d * q2, i1 * Matrix3::identity() - c, f * f.transpose()));
+            response.energy += d * (q2 * i2 - 3.0);
+            response.stress += (slope - 2.0 / 3.0 * i2 * g) * (2.0 * q2 * d);
+            sum.crossed += 4.0 / 3.0 * d * q2 * i2;
+            sum.mixed += (slope - i2 / 3.0 * g) * (-8.0 / 3.0 * d * q2);
+            second = Some((2.0 * d * q2, i1 * Matrix3::identity() - c, f * f.transpose()));
         }
         if with_moduli {
             let moduli = &mut response.moduli;
@@ -100,14 +84,6 @@ impl Polynomial {
         }
         response
     }
-
-    /// What depends on `I1`, with its first and second derivative by `x`.
-    #[inline]
-    fn of_first(&self, x: f64) -> [f64; 3] {
-        let [c1, c2, c3] = self.c;
-        [x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + x * 3.0 * c3), 2.0 * c2 + x * 6.0 * c3]
-    }
-}
 
 /// `identity d_ik d_JL + crossed G_iL G_kJ + mixed (x) G + G (x) mixed`: what all second derivatives have.
 struct Moduli {

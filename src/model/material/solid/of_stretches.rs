@@ -19,47 +19,36 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::super::Ogden;
+use super::super::OgdenTerm;
 use super::{LOWER, SolidResponse, mirror};
 
-/// The terms of Ogden's law.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Powers {
-    terms: Vec<Power>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Power {
-    alpha: f64,
-    /// `2 mu`, MPa.
-    modulus: f64,
-}
-
-impl From<&Ogden> for Powers {
-    fn from(law: &Ogden) -> Self {
-        let terms = law.terms().map(|term| Power { alpha: term.alpha, modulus: 2.0 * term.mu });
-        Self { terms: terms.collect() }
-    }
-}
-
-impl Powers {
-    pub(super) fn energy(&self, f: &Matrix3<f64>) -> f64 {
+/// `psi_iso` at `f`, MPa, of these terms.
+pub(in crate::model::material) fn energy(
+    f: &Matrix3<f64>,
+    terms: impl Iterator<Item = OgdenTerm>,
+) -> f64 {
         let squares = f.tr_mul(f).symmetric_eigenvalues();
         let e = deviatoric(squares.map(|square| 0.5 * square.ln()));
-        let of_term = |&Power { alpha, modulus }: &Power| {
-            modulus / (alpha * alpha) * e.map(|e| (alpha * e).exp_m1()).sum()
+        let of_term = |OgdenTerm { mu, alpha }| {
+            2.0 * mu / (alpha * alpha) * e.map(|e| (alpha * e).exp_m1()).sum()
         };
-        self.terms.iter().map(of_term).sum()
+        terms.map(of_term).sum()
     }
 
-    pub(super) fn response(&self, f: &Matrix3<f64>, with_moduli: bool) -> SolidResponse {
+/// The same with its derivatives by `f`.
+pub(in crate::model::material) fn response(
+    f: &Matrix3<f64>,
+    with_moduli: bool,
+    terms: impl Iterator<Item = OgdenTerm> + Clone,
+) -> SolidResponse {
         let SymmetricEigen { eigenvalues, eigenvectors: rest } = SymmetricEigen::new(f.tr_mul(f));
         let stretches = eigenvalues.map(f64::sqrt);
         let logarithms = stretches.map(f64::ln);
         let e = deviatoric(logarithms);
         let mut energy = 0.0;
         let mut s = Vector3::zeros();
-        for &Power { alpha, modulus } in &self.terms {
+        for OgdenTerm { mu, alpha } in terms.clone() {
+            let modulus = 2.0 * mu;
             let excess = e.map(|e| (alpha * e).exp_m1());
             energy += modulus / (alpha * alpha) * excess.sum();
             s += modulus / alpha * excess;
@@ -72,15 +61,15 @@ impl Powers {
         let principal = Matrix3::from_diagonal(&tau.component_div(&stretches));
         let stress = now * principal * rest.transpose();
         let moduli = if with_moduli {
-            self.principal_moduli(&stretches, &logarithms, &tau).in_space(&now, &rest)
+            principal_moduli(terms, &stretches, &logarithms, &tau).in_space(&now, &rest)
         } else {
             Default::default()
         };
         SolidResponse { energy, stress, moduli }
     }
 
-    fn principal_moduli(
-        &self,
+fn principal_moduli(
+        terms: impl Iterator<Item = OgdenTerm>,
         stretches: &Vector3<f64>,
         logarithms: &Vector3<f64>,
         tau: &Vector3<f64>,
@@ -90,7 +79,8 @@ impl Powers {
         let mut quotients = [0.0; 3];
         let gaps = PAIRS.map(|[a, b]| logarithms[a] - logarithms[b]);
         let sinh_gaps = gaps.map(f64::sinh);
-        for &Power { alpha, modulus } in &self.terms {
+        for OgdenTerm { mu, alpha } in terms {
+            let modulus = 2.0 * mu;
             let roots = halves.map(|half| (alpha * half).exp());
             t += modulus * roots.component_mul(&roots);
             for (k, [a, b]) in PAIRS.into_iter().enumerate() {
@@ -119,7 +109,6 @@ impl Powers {
         }
         PrincipalModuli { along, across, swapped }
     }
-}
 
 /// The pairs of principal directions.
 const PAIRS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
