@@ -46,6 +46,20 @@ pub enum KeyValue {
     Terms(Vec<OgdenTerm>),
 }
 
+impl KeyValue {
+    fn number(&self) -> Option<f64> {
+        if let Self::Number(number) = self { Some(*number) } else { None }
+    }
+
+    fn triple(&self) -> Option<[f64; 3]> {
+        if let Self::Triple(triple) = self { Some(*triple) } else { None }
+    }
+
+    fn terms(&self) -> Option<&[OgdenTerm]> {
+        if let Self::Terms(terms) = self { Some(terms) } else { None }
+    }
+}
+
 /// Every key that some law has, in the order of the laws.
 #[must_use]
 pub fn keys() -> &'static [Key] {
@@ -94,10 +108,7 @@ impl Material {
     ///
     /// # Errors
     /// [`InvalidMaterial`] when there is no such law, when a key is missing or surplus, or a value is no law's.
-    pub fn named(
-        name: &str,
-        given: &[(&'static str, KeyValue)],
-    ) -> Result<Self, InvalidMaterial> {
+    pub fn named(name: &str, given: &[(&'static str, KeyValue)]) -> Result<Self, InvalidMaterial> {
         let Some(law) = LAWS.iter().find(|law| law.name == name) else {
             let names: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
             let names = names.join(", ");
@@ -124,8 +135,7 @@ impl LawKeys<'_> {
 
     /// The number that this key holds.
     pub(super) fn number(&self, key: &str) -> Result<f64, InvalidMaterial> {
-        let number = |value: &KeyValue| if let KeyValue::Number(x) = value { Some(*x) } else { None };
-        self.wanted(key, number)
+        self.wanted(key, KeyValue::number)
     }
 
     /// The number that this key holds, which must be positive.
@@ -145,15 +155,12 @@ impl LawKeys<'_> {
 
     /// The three numbers that this key holds.
     pub(super) fn triple(&self, key: &str) -> Result<[f64; 3], InvalidMaterial> {
-        let triple = |value: &KeyValue| if let KeyValue::Triple(c) = value { Some(*c) } else { None };
-        self.wanted(key, triple)
+        self.wanted(key, KeyValue::triple)
     }
 
     /// The terms that this key holds.
     pub(super) fn terms(&self, key: &str) -> Result<&[OgdenTerm], InvalidMaterial> {
-        let terms =
-            |value| if let KeyValue::Terms(terms) = value { Some(terms.as_slice()) } else { None };
-        self.wanted(key, terms)
+        self.wanted(key, KeyValue::terms)
     }
 
     /// The value of a key that the law cannot do without.

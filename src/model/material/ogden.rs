@@ -255,7 +255,8 @@ mod tests {
         }
 
         fn energy_of_stretches<D: DualNum<Primitive = f64> + Copy>(&self, l: [D; 3]) -> D {
-            let of_term = |OgdenTerm { mu, alpha }| power_sum(l, alpha) * (2.0 * mu / (alpha * alpha));
+            let of_term =
+                |OgdenTerm { mu, alpha }| power_sum(l, alpha) * (2.0 * mu / (alpha * alpha));
             self.terms().map(of_term).fold(D::from(0.0), |sum, energy| sum + energy)
         }
     }

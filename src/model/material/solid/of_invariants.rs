@@ -38,52 +38,51 @@ pub(in crate::model::material) fn response(
     psi: impl Fn(f64) -> [f64; 3],
     d: f64,
 ) -> SolidResponse {
-        let cofactor = cofactor(f);
-        let j = f.column(0).dot(&cofactor.column(0));
-        let g = cofactor / j;
-        let q = j.cbrt().powi(-2);
-        let i1 = f.norm_squared();
-        let [energy, d1, d11] = psi(q * i1 - 3.0);
-        let first = (f - i1 / 3.0 * g) * (2.0 * q);
-        let mut response =
-            SolidResponse { energy, stress: d1 * first, moduli: Default::default() };
-        let mut sum = Moduli {
-            identity: 2.0 * d1 * q,
-            crossed: 2.0 / 3.0 * d1 * q * i1,
-            mixed: (f - i1 / 6.0 * g) * (-4.0 / 3.0 * d1 * q),
-        };
-        let mut second = None;
-        if d != 0.0 {
-            let c = f.tr_mul(f);
-            let (i2, q2) = (second_invariant(i1, &c), q * q);
-            let slope = i1 * f - f * c;
-            response.energy += d * (q2 * i2 - 3.0);
-            response.stress += (slope - 2.0 / 3.0 * i2 * g) * (2.0 * q2 * d);
-            sum.crossed += 4.0 / 3.0 * d * q2 * i2;
-            sum.mixed += (slope - i2 / 3.0 * g) * (-8.0 / 3.0 * d * q2);
-            second = Some((2.0 * d * q2, i1 * Matrix3::identity() - c, f * f.transpose()));
-        }
-        if with_moduli {
-            let moduli = &mut response.moduli;
-            sum.write(&g, moduli);
-            if d11 != 0.0 {
-                add(moduli, |j, l| d11 * first.column(j) * first.column(l).transpose());
-            }
-            if let Some((factor, metric, b)) = second {
-                add(moduli, |j, l| {
-                    let mut block = 2.0 * f.column(j) * f.column(l).transpose()
-                        - f.column(l) * f.column(j).transpose();
-                    block += Matrix3::from_diagonal_element(metric[(j, l)]);
-                    if j == l {
-                        block -= b;
-                    }
-                    factor * block
-                });
-            }
-            mirror(moduli);
-        }
-        response
+    let cofactor = cofactor(f);
+    let j = f.column(0).dot(&cofactor.column(0));
+    let g = cofactor / j;
+    let q = j.cbrt().powi(-2);
+    let i1 = f.norm_squared();
+    let [energy, d1, d11] = psi(q * i1 - 3.0);
+    let first = (f - i1 / 3.0 * g) * (2.0 * q);
+    let mut response = SolidResponse { energy, stress: d1 * first, moduli: Default::default() };
+    let mut sum = Moduli {
+        identity: 2.0 * d1 * q,
+        crossed: 2.0 / 3.0 * d1 * q * i1,
+        mixed: (f - i1 / 6.0 * g) * (-4.0 / 3.0 * d1 * q),
+    };
+    let mut second = None;
+    if d != 0.0 {
+        let c = f.tr_mul(f);
+        let (i2, q2) = (second_invariant(i1, &c), q * q);
+        let slope = i1 * f - f * c;
+        response.energy += d * (q2 * i2 - 3.0);
+        response.stress += (slope - 2.0 / 3.0 * i2 * g) * (2.0 * q2 * d);
+        sum.crossed += 4.0 / 3.0 * d * q2 * i2;
+        sum.mixed += (slope - i2 / 3.0 * g) * (-8.0 / 3.0 * d * q2);
+        second = Some((2.0 * d * q2, i1 * Matrix3::identity() - c, f * f.transpose()));
     }
+    if with_moduli {
+        let moduli = &mut response.moduli;
+        sum.write(&g, moduli);
+        if d11 != 0.0 {
+            add(moduli, |j, l| d11 * first.column(j) * first.column(l).transpose());
+        }
+        if let Some((factor, metric, b)) = second {
+            add(moduli, |j, l| {
+                let mut block = 2.0 * f.column(j) * f.column(l).transpose()
+                    - f.column(l) * f.column(j).transpose();
+                block += Matrix3::from_diagonal_element(metric[(j, l)]);
+                if j == l {
+                    block -= b;
+                }
+                factor * block
+            });
+        }
+        mirror(moduli);
+    }
+    response
+}
 
 /// `identity d_ik d_JL + crossed G_iL G_kJ + mixed (x) G + G (x) mixed`: what all second derivatives have.
 struct Moduli {

@@ -27,13 +27,13 @@ pub(in crate::model::material) fn energy(
     f: &Matrix3<f64>,
     terms: impl Iterator<Item = OgdenTerm>,
 ) -> f64 {
-        let squares = f.tr_mul(f).symmetric_eigenvalues();
-        let e = deviatoric(squares.map(|square| 0.5 * square.ln()));
-        let of_term = |OgdenTerm { mu, alpha }| {
-            2.0 * mu / (alpha * alpha) * e.map(|e| (alpha * e).exp_m1()).sum()
-        };
-        terms.map(of_term).sum()
-    }
+    let squares = f.tr_mul(f).symmetric_eigenvalues();
+    let e = deviatoric(squares.map(|square| 0.5 * square.ln()));
+    let of_term = |OgdenTerm { mu, alpha }| {
+        2.0 * mu / (alpha * alpha) * e.map(|e| (alpha * e).exp_m1()).sum()
+    };
+    terms.map(of_term).sum()
+}
 
 /// The same with its derivatives by `f`.
 pub(in crate::model::material) fn response(
@@ -41,74 +41,74 @@ pub(in crate::model::material) fn response(
     with_moduli: bool,
     terms: impl Iterator<Item = OgdenTerm> + Clone,
 ) -> SolidResponse {
-        let SymmetricEigen { eigenvalues, eigenvectors: rest } = SymmetricEigen::new(f.tr_mul(f));
-        let stretches = eigenvalues.map(f64::sqrt);
-        let logarithms = stretches.map(f64::ln);
-        let e = deviatoric(logarithms);
-        let mut energy = 0.0;
-        let mut s = Vector3::zeros();
-        for OgdenTerm { mu, alpha } in terms.clone() {
-            let modulus = 2.0 * mu;
-            let excess = e.map(|e| (alpha * e).exp_m1());
-            energy += modulus / (alpha * alpha) * excess.sum();
-            s += modulus / alpha * excess;
-        }
-        let tau = deviatoric(s);
-        let mut now = f * rest;
-        for (mut direction, stretch) in now.column_iter_mut().zip(&stretches) {
-            direction /= *stretch;
-        }
-        let principal = Matrix3::from_diagonal(&tau.component_div(&stretches));
-        let stress = now * principal * rest.transpose();
-        let moduli = if with_moduli {
-            principal_moduli(terms, &stretches, &logarithms, &tau).in_space(&now, &rest)
-        } else {
-            Default::default()
-        };
-        SolidResponse { energy, stress, moduli }
+    let SymmetricEigen { eigenvalues, eigenvectors: rest } = SymmetricEigen::new(f.tr_mul(f));
+    let stretches = eigenvalues.map(f64::sqrt);
+    let logarithms = stretches.map(f64::ln);
+    let e = deviatoric(logarithms);
+    let mut energy = 0.0;
+    let mut s = Vector3::zeros();
+    for OgdenTerm { mu, alpha } in terms.clone() {
+        let modulus = 2.0 * mu;
+        let excess = e.map(|e| (alpha * e).exp_m1());
+        energy += modulus / (alpha * alpha) * excess.sum();
+        s += modulus / alpha * excess;
     }
+    let tau = deviatoric(s);
+    let mut now = f * rest;
+    for (mut direction, stretch) in now.column_iter_mut().zip(&stretches) {
+        direction /= *stretch;
+    }
+    let principal = Matrix3::from_diagonal(&tau.component_div(&stretches));
+    let stress = now * principal * rest.transpose();
+    let moduli = if with_moduli {
+        principal_moduli(terms, &stretches, &logarithms, &tau).in_space(&now, &rest)
+    } else {
+        Default::default()
+    };
+    SolidResponse { energy, stress, moduli }
+}
 
 fn principal_moduli(
-        terms: impl Iterator<Item = OgdenTerm>,
-        stretches: &Vector3<f64>,
-        logarithms: &Vector3<f64>,
-        tau: &Vector3<f64>,
-    ) -> PrincipalModuli {
-        let halves = 0.5 * deviatoric(*logarithms);
-        let mut t = Vector3::zeros();
-        let mut quotients = [0.0; 3];
-        let gaps = PAIRS.map(|[a, b]| logarithms[a] - logarithms[b]);
-        let sinh_gaps = gaps.map(f64::sinh);
-        for OgdenTerm { mu, alpha } in terms {
-            let modulus = 2.0 * mu;
-            let roots = halves.map(|half| (alpha * half).exp());
-            t += modulus * roots.component_mul(&roots);
-            for (k, [a, b]) in PAIRS.into_iter().enumerate() {
-                let ratio = if gaps[k] == 0.0 {
-                    0.5
-                } else {
-                    (0.5 * alpha * gaps[k]).sinh() / (alpha * sinh_gaps[k])
-                };
-                quotients[k] += modulus * roots[a] * roots[b] * ratio;
-            }
+    terms: impl Iterator<Item = OgdenTerm>,
+    stretches: &Vector3<f64>,
+    logarithms: &Vector3<f64>,
+    tau: &Vector3<f64>,
+) -> PrincipalModuli {
+    let halves = 0.5 * deviatoric(*logarithms);
+    let mut t = Vector3::zeros();
+    let mut quotients = [0.0; 3];
+    let gaps = PAIRS.map(|[a, b]| logarithms[a] - logarithms[b]);
+    let sinh_gaps = gaps.map(f64::sinh);
+    for OgdenTerm { mu, alpha } in terms {
+        let modulus = 2.0 * mu;
+        let roots = halves.map(|half| (alpha * half).exp());
+        t += modulus * roots.component_mul(&roots);
+        for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+            let ratio = if gaps[k] == 0.0 {
+                0.5
+            } else {
+                (0.5 * alpha * gaps[k]).sinh() / (alpha * sinh_gaps[k])
+            };
+            quotients[k] += modulus * roots[a] * roots[b] * ratio;
         }
-        let outer = stretches * stretches.transpose();
-        let sum = t.sum() / 9.0;
-        let mut along = Matrix3::from_fn(|a, b| (sum - (t[a] + t[b]) / 3.0) / outer[(a, b)]);
-        let mut across = Matrix3::zeros();
-        let mut swapped = Matrix3::zeros();
-        for a in 0..3 {
-            along[(a, a)] += (t[a] - tau[a]) / outer[(a, a)];
-            across[(a, a)] = along[(a, a)];
-        }
-        for (quotient, [a, b]) in quotients.into_iter().zip(PAIRS) {
-            let p = quotient / outer[(a, b)];
-            let q = (p * (outer[(a, a)] + outer[(b, b)]) - tau[a] - tau[b]) / (2.0 * outer[(a, b)]);
-            (across[(a, b)], across[(b, a)]) = (p, p);
-            (swapped[(a, b)], swapped[(b, a)]) = (q, q);
-        }
-        PrincipalModuli { along, across, swapped }
     }
+    let outer = stretches * stretches.transpose();
+    let sum = t.sum() / 9.0;
+    let mut along = Matrix3::from_fn(|a, b| (sum - (t[a] + t[b]) / 3.0) / outer[(a, b)]);
+    let mut across = Matrix3::zeros();
+    let mut swapped = Matrix3::zeros();
+    for a in 0..3 {
+        along[(a, a)] += (t[a] - tau[a]) / outer[(a, a)];
+        across[(a, a)] = along[(a, a)];
+    }
+    for (quotient, [a, b]) in quotients.into_iter().zip(PAIRS) {
+        let p = quotient / outer[(a, b)];
+        let q = (p * (outer[(a, a)] + outer[(b, b)]) - tau[a] - tau[b]) / (2.0 * outer[(a, b)]);
+        (across[(a, b)], across[(b, a)]) = (p, p);
+        (swapped[(a, b)], swapped[(b, a)]) = (q, q);
+    }
+    PrincipalModuli { along, across, swapped }
+}
 
 /// The pairs of principal directions.
 const PAIRS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];

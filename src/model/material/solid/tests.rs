@@ -4,9 +4,7 @@ use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::super::test_laws::{compressible, invariants, nominal_stress};
-use super::super::{
-    Material, MooneyRivlin, Ogden, OgdenTerm, Rubber, energy_of_shape, rubbers,
-};
+use super::super::{Material, MooneyRivlin, Ogden, OgdenTerm, Rubber, energy_of_shape, rubbers};
 use super::*;
 
 /// Equal, nearly equal and different stretches; with and without a change of volume.
