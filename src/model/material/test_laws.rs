@@ -70,6 +70,24 @@ fn laws() -> Vec<Material> {
     laws
 }
 
+/// Files take every key that a law says it wants, and no two keys of a name hold different things.
+#[test]
+fn laws_want_the_keys_that_they_have() {
+    for law in LAWS {
+        for key in law.keys {
+            let is_wanted = law.wants.contains(&format!("`{}`", key.name))
+                || law.wants.contains(&format!("`{} = ", key.name));
+            assert!(is_wanted, "{}: `{}` is not among {}", law.name, key.name, law.wants);
+            assert!(keys().contains(key), "{}: `{}` holds something else", law.name, key.name);
+        }
+        assert_eq!(LAWS.iter().filter(|other| other.name == law.name).count(), 1, "{}", law.name);
+        let nothing = Material::named(law.name, &[]).unwrap_err().to_string();
+        assert!(nothing.contains(law.wants), "{nothing}");
+        let surplus = Material::named(law.name, &[("surplus", KeyValue::Number(1.0))]);
+        assert!(surplus.unwrap_err().to_string().contains(law.wants), "{}", law.name);
+    }
+}
+
 #[rustfmt::skip]
 const STRETCHES: [[f64; 2]; 8] = [
     [1.0, 1.0], [1.0 + 1e-9, 1.0], [1.05, 1.0], [1.2, 1.2], [1.21, 1.2], [0.7, 1.4], [2.5, 0.9], [3.0, 3.0],
@@ -111,6 +129,10 @@ fn energy_equals_the_formula_in_stretches() {
             // Yap's coefficients of 240 MPa cancel: 2e-12 is eight roundings of each.
             let (epsilon, max_relative) = (2e-12, 1e-12);
             let energies = [law.density(t, j).value, law.energy(t, j)];
+            if !exact.is_finite() {
+                assert!(energies.iter().all(|energy| !energy.is_finite()), "{law:?} has ended");
+                continue;
+            }
             for energy in energies {
                 assert_relative_eq!(energy, exact, epsilon = epsilon, max_relative = max_relative);
             }
@@ -187,6 +209,10 @@ fn local_solve_leaves_no_normal_stress() {
         for bulk_over_shear in [0.3, 1.0, 4.0, 50.0, 1e3, 1e6, 1e12] {
             let law = compressible(&rubber, bulk_over_shear);
             for (l1, l2) in stretches.iter().flat_map(|&l1| stretches.map(|l2| (l1, l2))) {
+                // Beyond its end a law has no force that could vanish.
+                if !energy_of_shape(&rubber, [l1, l2, f64::recip(l1 * l2)]).is_finite() {
+                    continue;
+                }
                 let (t, j) = invariants([l1, l2]);
                 let l3 = Material::Compressible(law.clone()).thickness_stretch(t, j);
                 let along = |l3| {
