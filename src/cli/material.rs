@@ -1,66 +1,34 @@
 //! `[material]` of a run or scene file: a preset, or a law with its numbers.
 
-use anyhow::{Context, bail, ensure};
+use std::fmt;
+use std::sync::LazyLock;
+
+use anyhow::{Error, bail};
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, Visitor};
+use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
 use crate::model::material::{
-    Compressible, Loading, Material, MooneyRivlin, NeoHookean, Ogden, OgdenTerm, Rubber,
-    StVenantKirchhoff, Yeoh,
+    Compressible, Key, KeyKind, KeyValue, Loading, Material, Ogden, keys, positive as is_positive,
+    within as is_within,
 };
 
 /// What a file says about the material: a preset alone, or a law with its own keys.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct MaterialSection {
     /// One of [`PRESETS`].
     preset: Option<String>,
-    /// One of [`LAWS`].
+    /// One of the laws of [`crate::model::material`].
     law: Option<String>,
-    /// Shear modulus of the neo-Hookean law, MPa.
-    mu: Option<f64>,
-    /// Young's modulus at rest, MPa.
-    young_modulus: Option<f64>,
-    /// Poisson's ratio at rest.
-    poisson_ratio: Option<f64>,
-    /// Coefficients of the Mooney-Rivlin law, MPa.
-    c1: Option<f64>,
-    c2: Option<f64>,
-    /// Coefficients of the Yeoh law, MPa.
-    c: Option<[f64; 3]>,
-    /// Terms of the Ogden law in Abaqus' convention, MPa.
-    terms: Option<Vec<OgdenTerm>>,
-    /// Bulk modulus of a rubber, MPa; a wall without it is incompressible.
-    bulk_modulus: Option<f64>,
+    /// The values of the law's keys, in the order of [`keys`].
+    numbers: Vec<(&'static str, KeyValue)>,
 }
 
 const PRESETS: &str = "ninjaflex-c2s, ninjaflex-c2s-compressible and ninjaflex-yap2016";
 
-/// The laws, and what each wants.
-const LAWS: [(&str, &str); 5] = [
-    (
-        "neo-hookean",
-        "`mu`, with `bulk_modulus` if it is compressible, or `young_modulus` and `poisson_ratio`",
-    ),
-    ("mooney-rivlin", "`c1` and `c2`, with `bulk_modulus` if it is compressible"),
-    ("yeoh", "`c = [c1, c2, c3]`, with `bulk_modulus` if it is compressible"),
-    ("ogden", "`terms = [{ mu, alpha }]`, with `bulk_modulus` if it is compressible"),
-    ("st-venant-kirchhoff", "`young_modulus` and `poisson_ratio`"),
-];
-
 impl Default for MaterialSection {
     fn default() -> Self {
-        Self {
-            preset: Some("ninjaflex-c2s".to_owned()),
-            law: None,
-            mu: None,
-            young_modulus: None,
-            poisson_ratio: None,
-            c1: None,
-            c2: None,
-            c: None,
-            terms: None,
-            bulk_modulus: None,
-        }
+        Self { preset: Some("ninjaflex-c2s".to_owned()), law: None, numbers: Vec::new() }
     }
 }
 
@@ -68,14 +36,14 @@ impl MaterialSection {
     pub(super) fn material(&self) -> anyhow::Result<Material> {
         match (&self.preset, &self.law) {
             (Some(preset), None) => self.of_preset(preset),
-            (None, Some(law)) => self.of_law(law),
+            (None, Some(law)) => Ok(Material::named(law, &self.numbers)?),
             (Some(_), Some(_)) => bail!("[material] has both `preset` and `law`; give one"),
             (None, None) => bail!("[material] has neither `preset` nor `law`; give one"),
         }
     }
 
     fn of_preset(&self, preset: &str) -> anyhow::Result<Material> {
-        if let Some(key) = self.given_numbers().next() {
+        if let Some((key, _)) = self.numbers.first() {
             bail!(
                 "[material] takes no `{key}` beside `preset`; numbers of your own go with a `law`"
             );
@@ -89,139 +57,105 @@ impl MaterialSection {
             _ => bail!("[material] has no preset `{preset}`; it has {PRESETS}"),
         }
     }
+}
 
-    fn of_law(&self, law: &str) -> anyhow::Result<Material> {
-        match law {
-            "neo-hookean" if self.mu.is_none() && self.young_modulus.is_some() => {
-                self.neo_hookean_of_young_modulus()
-            }
-            "neo-hookean" => {
-                self.check_keys(law, &["mu", "bulk_modulus"])?;
-                let mu = positive("[material] mu", wanted(law, "mu", self.mu)?)?;
-                self.of_rubber(Rubber::NeoHookean(NeoHookean { mu }))
-            }
-            "mooney-rivlin" => {
-                self.check_keys(law, &["c1", "c2", "bulk_modulus"])?;
-                let c1 = coefficient("[material] c1", wanted(law, "c1", self.c1)?)?;
-                let c2 = coefficient("[material] c2", wanted(law, "c2", self.c2)?)?;
-                positive("the shear modulus 2 (c1 + c2) of [material]", 2.0 * (c1 + c2))?;
-                self.of_rubber(Rubber::MooneyRivlin(MooneyRivlin { c1, c2 }))
-            }
-            "yeoh" => {
-                self.check_keys(law, &["c", "bulk_modulus"])?;
-                let c = wanted(law, "c", self.c)?;
-                positive("the first of [material] c", c[0])?;
-                coefficient("the second of [material] c", c[1])?;
-                coefficient("the third of [material] c", c[2])?;
-                self.of_rubber(Rubber::Yeoh(Yeoh { c }))
-            }
-            "ogden" => {
-                self.check_keys(law, &["terms", "bulk_modulus"])?;
-                let terms = wanted(law, "terms", self.terms.as_deref())?;
-                self.of_rubber(Rubber::Ogden(ogden(terms)?))
-            }
-            "st-venant-kirchhoff" => {
-                let young_modulus = self.young_modulus(law)?;
-                let poisson_ratio = wanted(law, "poisson_ratio", self.poisson_ratio)?;
-                within("[material] poisson_ratio", poisson_ratio, -0.99, 0.5)?;
-                let law = StVenantKirchhoff { young_modulus, poisson_ratio };
-                Ok(Material::StVenantKirchhoff(law))
-            }
-            _ => {
-                let names = LAWS.map(|(name, _)| name).join(", ");
-                bail!("[material] has no law `{law}`; it has {names}")
+impl Serialize for MaterialSection {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (word, value) in [("preset", &self.preset), ("law", &self.law)] {
+            if let Some(value) = value {
+                map.serialize_entry(word, value)?;
             }
         }
-    }
-
-    fn neo_hookean_of_young_modulus(&self) -> anyhow::Result<Material> {
-        let law = "neo-hookean";
-        let young_modulus = self.young_modulus(law)?;
-        let poisson_ratio = wanted(law, "poisson_ratio", self.poisson_ratio)?;
-        within("[material] poisson_ratio", poisson_ratio, 0.0, 0.5)?;
-        let law =
-            Rubber::NeoHookean(NeoHookean { mu: 0.5 * young_modulus / (1.0 + poisson_ratio) });
-        if poisson_ratio == 0.5 {
-            return Ok(law.into());
+        for (key, value) in &self.numbers {
+            map.serialize_entry(key, value)?;
         }
-        let bulk_modulus = young_modulus / (3.0 * (1.0 - 2.0 * poisson_ratio));
-        Ok(Material::Compressible(Compressible { law, bulk_modulus }))
-    }
-
-    fn young_modulus(&self, law: &str) -> anyhow::Result<f64> {
-        self.check_keys(law, &["young_modulus", "poisson_ratio"])?;
-        positive("[material] young_modulus", wanted(law, "young_modulus", self.young_modulus)?)
-    }
-
-    fn of_rubber(&self, law: Rubber) -> anyhow::Result<Material> {
-        let Some(bulk_modulus) = self.bulk_modulus else {
-            return Ok(law.into());
-        };
-        positive("[material] bulk_modulus", bulk_modulus)?;
-        let mu = Material::from(law.clone()).shear_modulus();
-        ensure!(
-            bulk_modulus >= SOFTEST_VOLUME * mu,
-            "[material] bulk_modulus is {bulk_modulus:?}, but it must be at least {:.3}, {SOFTEST_VOLUME} of the shear modulus; leave it out for an incompressible wall",
-            SOFTEST_VOLUME * mu
-        );
-        Ok(Material::Compressible(Compressible { law, bulk_modulus }))
-    }
-
-    /// Checks that of the numbers only those named by `keys` are given.
-    fn check_keys(&self, law: &str, keys: &[&str]) -> anyhow::Result<()> {
-        let surplus = self.given_numbers().find(|key| !keys.contains(key));
-        surplus.map_or(Ok(()), |key| {
-            bail!("[material] {law} takes no `{key}` here; it wants {}", wishes(law))
-        })
-    }
-
-    /// The keys that are given, besides `preset` and `law`.
-    fn given_numbers(&self) -> impl Iterator<Item = &'static str> {
-        [
-            ("mu", self.mu.is_some()),
-            ("young_modulus", self.young_modulus.is_some()),
-            ("poisson_ratio", self.poisson_ratio.is_some()),
-            ("c1", self.c1.is_some()),
-            ("c2", self.c2.is_some()),
-            ("c", self.c.is_some()),
-            ("terms", self.terms.is_some()),
-            ("bulk_modulus", self.bulk_modulus.is_some()),
-        ]
-        .into_iter()
-        .filter_map(|(key, is_given)| is_given.then_some(key))
+        map.end()
     }
 }
 
-/// The value of `key`, which this law cannot do without.
-fn wanted<T>(law: &str, key: &str, value: Option<T>) -> anyhow::Result<T> {
-    value.with_context(|| format!("[material] {law} has no `{key}`; it wants {}", wishes(law)))
-}
-
-fn wishes(law: &str) -> &'static str {
-    LAWS.iter().find(|(name, _)| *name == law).map_or("", |(_, wishes)| wishes)
-}
-
-fn ogden(terms: &[OgdenTerm]) -> anyhow::Result<Ogden> {
-    ensure!(
-        !terms.is_empty(),
-        "[material] terms is empty; an Ogden law has at least one {{ mu, alpha }}"
-    );
-    let is_exponent = |alpha: f64| alpha != 0.0 && alpha.abs() <= LARGEST_EXPONENT;
-    if let Some(term) = terms.iter().find(|term| !is_exponent(term.alpha)) {
-        bail!(
-            "[material] terms: alpha is {:?}, but it must be a number other than 0 and at most {LARGEST_EXPONENT} in size",
-            term.alpha
-        );
+impl<'de> Deserialize<'de> for MaterialSection {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(SectionVisitor)
     }
-    let modulus: f64 = terms.iter().map(|term| term.mu).sum();
-    positive("the sum of mu over the [material] terms", modulus)?;
-    Ok(Ogden::new(terms))
 }
 
-/// Bulk over shear modulus, a Poisson's ratio of -0.29: the softest volume for which the laws are tested.
-const SOFTEST_VOLUME: f64 = 0.3;
-/// Measured laws have exponents up to some 25; far beyond, the powers of the stretches overflow.
-const LARGEST_EXPONENT: f64 = 100.0;
+/// Reads a section key by key, so that a value of the wrong kind is told with its line.
+struct SectionVisitor;
+
+impl<'de> Visitor<'de> for SectionVisitor {
+    type Value = MaterialSection;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a section with a preset, or a law and its keys")
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<MaterialSection, M::Error> {
+        let mut section = MaterialSection { preset: None, law: None, numbers: Vec::new() };
+        while let Some(word) = map.next_key()? {
+            match word {
+                Word::Preset => section.preset = Some(map.next_value()?),
+                Word::Law => section.law = Some(map.next_value()?),
+                Word::Key(Key { name, kind }) => {
+                    section.numbers.push((name, map.next_value_seed(Kind(kind))?));
+                }
+            }
+        }
+        let place = |name| keys().iter().position(|key| key.name == name);
+        section.numbers.sort_by_key(|(name, _)| place(*name));
+        Ok(section)
+    }
+}
+
+/// A word before `=`.
+enum Word {
+    Preset,
+    Law,
+    Key(Key),
+}
+
+/// All that a section knows, in the order in which a message lists them.
+static WORDS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+    ["preset", "law"].into_iter().chain(keys().iter().map(|key| key.name)).collect()
+});
+
+impl<'de> Deserialize<'de> for Word {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct WordVisitor;
+        impl Visitor<'_> for WordVisitor {
+            type Value = Word;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("a key")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<Word, E> {
+                let key = || keys().iter().find(|key| key.name == word).copied();
+                match word {
+                    "preset" => Ok(Word::Preset),
+                    "law" => Ok(Word::Law),
+                    _ => key().map(Word::Key).ok_or_else(|| E::unknown_field(word, &WORDS)),
+                }
+            }
+        }
+        deserializer.deserialize_identifier(WordVisitor)
+    }
+}
+
+/// Reads a value of its kind.
+struct Kind(KeyKind);
+
+impl<'de> DeserializeSeed<'de> for Kind {
+    type Value = KeyValue;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<KeyValue, D::Error> {
+        match self.0 {
+            KeyKind::Number => Deserialize::deserialize(deserializer).map(KeyValue::Number),
+            KeyKind::Triple => Deserialize::deserialize(deserializer).map(KeyValue::Triple),
+            KeyKind::Terms => Deserialize::deserialize(deserializer).map(KeyValue::Terms),
+        }
+    }
+}
 
 /// Where a rubber gives way within everyday stretches, a line that says so.
 pub(super) fn instability(material: &Material) -> Option<String> {
@@ -242,22 +176,12 @@ pub(super) fn instability(material: &Material) -> Option<String> {
 
 /// Checks that `value` is a positive number of a size that mm, N and MPa can have.
 pub(super) fn positive(what: &str, value: f64) -> anyhow::Result<f64> {
-    if value > 0.0 && value.is_finite() {
-        return within(what, value, 1e-9, 1e12);
-    }
-    bail!("{what} is {value:?}, but it must be a positive number")
-}
-
-/// Checks that `value`, of either sign, has a size that MPa can have.
-fn coefficient(what: &str, value: f64) -> anyhow::Result<f64> {
-    within(what, value, -1e12, 1e12)
+    is_positive(what, value).map_err(Error::msg)
 }
 
 /// Checks that `value` lies from `least` to `most`.
 pub(super) fn within(what: &str, value: f64, least: f64, most: f64) -> anyhow::Result<f64> {
-    (least..=most).contains(&value).then_some(value).with_context(|| {
-        format!("{what} is {value:?}, but it must lie between {least:?} and {most:?}")
-    })
+    is_within(what, value, least, most).map_err(Error::msg)
 }
 
 #[cfg(test)]
@@ -266,6 +190,9 @@ mod tests {
 
     use super::*;
     use crate::io::toml_file;
+    use crate::model::material::{
+        MooneyRivlin, NeoHookean, OgdenTerm, Rubber, StVenantKirchhoff, Yeoh,
+    };
 
     fn section(text: &str) -> MaterialSection {
         toml_file::parse(text, Path::new("run.toml")).unwrap()

@@ -13,8 +13,8 @@
 //!
 //! Source: Flory (1961), the split; Simo & Hughes (1998), its energy of the volume.
 
-use super::rubber::Rubber;
-use super::{OfInvariants, Ogden};
+use super::rubber::IncompressibleLaw;
+use super::{OfInvariants, Ogden, Rubber};
 
 /// An incompressible law's resistance to a change of shape, and a resistance to a change of volume.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl Compressible {
     /// By the implicit function theorem for `d psi / ds (T, J, s) = 0`.
     pub(super) fn thickness_stretch(&self, t: f64, j: f64) -> OfInvariants {
         let State { s, t: iso_t, j: iso_j, stiffness, .. } = self.without_normal_stress(t, j);
-        let r = self.law.law().dilation_rate(iso_t, iso_j);
+        let r = self.law.dilation_rate(iso_t, iso_j);
         let dr = DilationRate::new(&r, iso_t, iso_j);
         let ddr = dilation_rate(dr.first, iso_t, iso_j);
         let volume = s.exp();
@@ -122,14 +122,14 @@ impl Compressible {
 
     /// The `s` of Hooke's law in logarithmic strains, `(1 - 2 nu) / (1 - nu) ln(l1 l2)`.
     fn hookean_log_volume(&self, j: f64) -> f64 {
-        let mu = self.law.law().shear_modulus();
+        let mu = self.law.shear_modulus();
         3.0 * mu / (3.0 * self.bulk_modulus + 4.0 * mu) * j.ln()
     }
 
     fn state(&self, t: f64, j: f64, s: f64) -> State {
         let q = (-2.0 / 3.0 * s).exp();
         let (t, j) = (q * t, q * q * j);
-        let iso = self.law.law().density(t, j);
+        let iso = self.law.density(t, j);
         let rate = DilationRate::new(&iso, t, j);
         let excess = s.exp_m1();
         let volume = 1.0 + excess;

@@ -9,77 +9,37 @@
 //! ```
 
 mod compressible;
-mod mooney_rivlin;
-mod neo_hookean;
+mod keys;
 mod of_invariants;
-mod ogden;
 mod rubber;
 mod solid;
 mod st_venant_kirchhoff;
 mod stability;
 #[cfg(test)]
 mod test_laws;
-mod yeoh;
 
 pub use compressible::Compressible;
-pub use mooney_rivlin::MooneyRivlin;
-pub use neo_hookean::NeoHookean;
+pub use keys::{InvalidMaterial, Key, KeyKind, KeyValue, keys, positive, within};
 pub use of_invariants::OfInvariants;
-pub use ogden::{Ogden, OgdenTerm};
-pub use rubber::Rubber;
+pub use ogden::OgdenTerm;
 pub use solid::{SolidLaw, SolidResponse};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stability::Loading;
-pub use yeoh::Yeoh;
 
-use rubber::IncompressibleLaw;
+use nalgebra::Matrix3;
 
-/// A hyperelastic law.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Material {
-    /// [`NeoHookean`].
-    NeoHookean(NeoHookean),
-    /// [`MooneyRivlin`].
-    MooneyRivlin(MooneyRivlin),
-    /// [`Yeoh`].
-    Yeoh(Yeoh),
-    /// [`Ogden`].
-    Ogden(Ogden),
-    /// [`Compressible`].
-    Compressible(Compressible),
-    /// [`StVenantKirchhoff`].
-    StVenantKirchhoff(StVenantKirchhoff),
+use keys::FileLaw;
+use rubber::{IncompressibleLaw, NamedLaw, rubbers};
+
+// The laws of rubber: each a file beside this one, and a line here.
+rubbers! {
+    neo_hookean: NeoHookean,
+    mooney_rivlin: MooneyRivlin,
+    yeoh: Yeoh,
+    ogden: Ogden,
 }
 
 impl Material {
-    /// The stored energy per reference volume, MPa, with derivatives at invariants `T` and `J`.
-    #[must_use]
-    #[inline]
-    pub fn density(&self, t: f64, j: f64) -> OfInvariants {
-        match self {
-            Self::NeoHookean(law) => law.density(t, j),
-            Self::MooneyRivlin(law) => law.density(t, j),
-            Self::Yeoh(law) => law.density(t, j),
-            Self::Ogden(law) => law.density(t, j),
-            Self::Compressible(law) => law.density(t, j),
-            Self::StVenantKirchhoff(law) => law.density(t, j),
-        }
-    }
-
-    /// The stored energy per reference volume alone, MPa.
-    #[must_use]
-    #[inline]
-    pub fn energy(&self, t: f64, j: f64) -> f64 {
-        match self {
-            Self::NeoHookean(law) => law.energy(t, j),
-            Self::MooneyRivlin(law) => law.energy(t, j),
-            Self::Yeoh(law) => law.energy(t, j),
-            Self::Ogden(law) => law.energy(t, j),
-            Self::Compressible(law) => law.energy(t, j),
-            Self::StVenantKirchhoff(law) => law.energy(t, j),
-        }
-    }
-
     /// The stretch `l3` across the wall, with derivatives at invariants `T` and `J`.
     ///
     /// It is `1 / sqrt J` where the law is incompressible and 1 for [`StVenantKirchhoff`].
@@ -87,25 +47,12 @@ impl Material {
     #[inline]
     pub fn thickness_stretch(&self, t: f64, j: f64) -> OfInvariants {
         match self {
-            Self::NeoHookean(_) | Self::MooneyRivlin(_) | Self::Yeoh(_) | Self::Ogden(_) => {
+            Self::Compressible(law) => law.thickness_stretch(t, j),
+            Self::StVenantKirchhoff(_) => OfInvariants { value: 1.0, ..OfInvariants::default() },
+            _ => {
                 let l3 = 1.0 / j.sqrt();
                 OfInvariants::of_j([l3, -0.5 * l3 / j, 0.75 * l3 / (j * j)])
             }
-            Self::Compressible(law) => law.thickness_stretch(t, j),
-            Self::StVenantKirchhoff(_) => OfInvariants { value: 1.0, ..OfInvariants::default() },
-        }
-    }
-
-    /// The shear modulus at rest, MPa.
-    #[must_use]
-    pub fn shear_modulus(&self) -> f64 {
-        match self {
-            Self::NeoHookean(law) => law.shear_modulus(),
-            Self::MooneyRivlin(law) => law.shear_modulus(),
-            Self::Yeoh(law) => law.shear_modulus(),
-            Self::Ogden(law) => law.shear_modulus(),
-            Self::Compressible(Compressible { law, .. }) => law.law().shear_modulus(),
-            Self::StVenantKirchhoff(law) => 0.5 * law.young_modulus / (1.0 + law.poisson_ratio),
         }
     }
 
@@ -126,16 +73,5 @@ impl Material {
     #[must_use]
     pub fn young_modulus(&self) -> f64 {
         2.0 * self.shear_modulus() * (1.0 + self.poisson_ratio())
-    }
-}
-
-impl From<Rubber> for Material {
-    fn from(rubber: Rubber) -> Self {
-        match rubber {
-            Rubber::NeoHookean(law) => Self::NeoHookean(law),
-            Rubber::MooneyRivlin(law) => Self::MooneyRivlin(law),
-            Rubber::Yeoh(law) => Self::Yeoh(law),
-            Rubber::Ogden(law) => Self::Ogden(law),
-        }
     }
 }

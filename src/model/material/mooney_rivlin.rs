@@ -6,9 +6,13 @@
 //!
 //! Source: Mooney (1940), Rivlin (1948).
 
+use nalgebra::Matrix3;
+
 use super::OfInvariants;
+use super::keys::{InvalidMaterial, Key, LawKeys, positive};
 use super::neo_hookean::first_invariant;
-use super::rubber::IncompressibleLaw;
+use super::rubber::{IncompressibleLaw, NamedLaw};
+use super::solid::{SolidResponse, of_invariants};
 
 /// Incompressible Mooney-Rivlin rubber; its shear modulus at rest is `2 (c1 + c2)`.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +21,18 @@ pub struct MooneyRivlin {
     pub c1: f64,
     /// Coefficient of the second invariant, MPa.
     pub c2: f64,
+}
+
+impl NamedLaw for MooneyRivlin {
+    const NAME: &'static str = "mooney-rivlin";
+    const KEYS: &'static [Key] = &[Key::number("c1"), Key::number("c2")];
+    const WANTS: &'static str = "`c1` and `c2`, with `bulk_modulus` if it is compressible";
+
+    fn read(keys: &LawKeys<'_>) -> Result<Self, InvalidMaterial> {
+        let law = Self { c1: keys.coefficient("c1")?, c2: keys.coefficient("c2")? };
+        positive("the shear modulus 2 (c1 + c2) of [material]", law.shear_modulus())?;
+        Ok(law)
+    }
 }
 
 impl IncompressibleLaw for MooneyRivlin {
@@ -38,6 +54,15 @@ impl IncompressibleLaw for MooneyRivlin {
     fn shear_modulus(&self) -> f64 {
         2.0 * (self.c1 + self.c2)
     }
+
+    fn solid_energy(&self, f: &Matrix3<f64>) -> f64 {
+        of_invariants::energy(f, |x| self.c1 * x, self.c2)
+    }
+
+    fn solid_response(&self, f: &Matrix3<f64>, with_moduli: bool) -> SolidResponse {
+        let Self { c1, c2 } = *self;
+        of_invariants::response(f, with_moduli, |x| [c1 * x, c1, 0.0], c2)
+    }
 }
 
 /// The two parts of `I2`, each with its own factor: `a T / J + b J`.
@@ -52,9 +77,21 @@ fn second_invariant(t: f64, j: f64, [a, b]: [f64; 2]) -> OfInvariants {
 
 #[cfg(test)]
 mod tests {
+    use num_dual::DualNum;
+
     use super::*;
     use crate::model::material::Material;
-    use crate::model::material::test_laws::check_nominal_stresses;
+    use crate::model::material::test_laws::{Example, check_nominal_stresses, power_sum};
+
+    impl Example for MooneyRivlin {
+        fn examples() -> Vec<Self> {
+            vec![Self { c1: 0.4, c2: 0.15 }]
+        }
+
+        fn energy_of_stretches<D: DualNum<Primitive = f64> + Copy>(&self, l: [D; 3]) -> D {
+            power_sum(l, 2.0) * self.c1 + power_sum(l, -2.0) * self.c2
+        }
+    }
 
     #[test]
     fn nominal_stresses_are_those_of_the_books() {

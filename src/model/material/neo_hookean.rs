@@ -4,14 +4,47 @@
 //! psi = mu/2 (I1 - 3),    I1 = T + 1/J
 //! ```
 
-use super::OfInvariants;
-use super::rubber::IncompressibleLaw;
+use nalgebra::Matrix3;
+
+use super::keys::{InvalidMaterial, Key, LawKeys};
+use super::rubber::{IncompressibleLaw, NamedLaw, with_bulk_modulus};
+use super::solid::{SolidResponse, of_invariants};
+use super::{Compressible, Material, OfInvariants};
 
 /// Incompressible neo-Hookean rubber. Source: Treloar (1943).
 #[derive(Clone, Debug, PartialEq)]
 pub struct NeoHookean {
     /// Shear modulus, MPa.
     pub mu: f64,
+}
+
+impl NamedLaw for NeoHookean {
+    const NAME: &'static str = "neo-hookean";
+    const KEYS: &'static [Key] =
+        &[Key::number("mu"), Key::number("young_modulus"), Key::number("poisson_ratio")];
+    const WANTS: &'static str =
+        "`mu`, with `bulk_modulus` if it is compressible, or `young_modulus` and `poisson_ratio`";
+
+    fn read(keys: &LawKeys<'_>) -> Result<Self, InvalidMaterial> {
+        keys.allow(&["mu", "bulk_modulus"])?;
+        Ok(Self { mu: keys.positive("mu")? })
+    }
+
+    /// By its shear modulus, or by both moduli of Hooke's law at rest.
+    fn material(keys: &LawKeys<'_>) -> Result<Material, InvalidMaterial> {
+        if keys.has("mu") || !keys.has("young_modulus") {
+            return with_bulk_modulus(Self::read(keys)?.into(), keys);
+        }
+        keys.allow(&["young_modulus", "poisson_ratio"])?;
+        let young_modulus = keys.positive("young_modulus")?;
+        let poisson_ratio = keys.within("poisson_ratio", 0.0, 0.5)?;
+        let law = Self { mu: 0.5 * young_modulus / (1.0 + poisson_ratio) };
+        if poisson_ratio == 0.5 {
+            return Ok(Material::NeoHookean(law));
+        }
+        let bulk_modulus = young_modulus / (3.0 * (1.0 - 2.0 * poisson_ratio));
+        Ok(Material::Compressible(Compressible { law: law.into(), bulk_modulus }))
+    }
 }
 
 impl IncompressibleLaw for NeoHookean {
@@ -33,6 +66,15 @@ impl IncompressibleLaw for NeoHookean {
     fn shear_modulus(&self) -> f64 {
         self.mu
     }
+
+    fn solid_energy(&self, f: &Matrix3<f64>) -> f64 {
+        of_invariants::energy(f, |x| 0.5 * self.mu * x, 0.0)
+    }
+
+    fn solid_response(&self, f: &Matrix3<f64>, with_moduli: bool) -> SolidResponse {
+        let half_mu = 0.5 * self.mu;
+        of_invariants::response(f, with_moduli, |x| [half_mu * x, half_mu, 0.0], 0.0)
+    }
 }
 
 /// The two parts of `I1`, each with its own factor: `a T + b / J`.
@@ -48,9 +90,20 @@ pub(super) fn first_invariant(t: f64, j: f64, [a, b]: [f64; 2]) -> OfInvariants 
 
 #[cfg(test)]
 mod tests {
+    use num_dual::DualNum;
+
     use super::*;
-    use crate::model::material::Material;
-    use crate::model::material::test_laws::check_nominal_stresses;
+    use crate::model::material::test_laws::{Example, check_nominal_stresses, power_sum};
+
+    impl Example for NeoHookean {
+        fn examples() -> Vec<Self> {
+            vec![Self { mu: 1.3 }]
+        }
+
+        fn energy_of_stretches<D: DualNum<Primitive = f64> + Copy>(&self, l: [D; 3]) -> D {
+            power_sum(l, 2.0) * (0.5 * self.mu)
+        }
+    }
 
     #[test]
     fn nominal_stresses_are_those_of_the_books() {

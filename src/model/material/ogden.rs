@@ -11,10 +11,16 @@
 //!
 //! Source: Ogden (1972).
 
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::OfInvariants;
-use super::rubber::IncompressibleLaw;
+use super::keys::{InvalidMaterial, Key, KeyKind, LawKeys, positive};
+use super::rubber::{IncompressibleLaw, NamedLaw};
+use super::solid::{SolidResponse, of_stretches};
+
+/// Measured laws have exponents up to some 25; far beyond, the powers of the stretches overflow.
+const LARGEST_EXPONENT: f64 = 100.0;
 
 /// Below this `y` the series is used; it converges like `(y/2)^k`, so 14 terms leave less than 1e-17.
 const SERIES_LIMIT: f64 = 0.1;
@@ -68,12 +74,38 @@ impl Ogden {
     }
 
     /// The terms.
-    pub fn terms(&self) -> impl Iterator<Item = OgdenTerm> {
+    pub fn terms(&self) -> impl Iterator<Item = OgdenTerm> + Clone {
         self.terms.iter().map(|prepared| prepared.term)
     }
 
     fn of(terms: [(f64, f64); 3]) -> Self {
         Self::new(&terms.map(|(mu, alpha)| OgdenTerm { mu, alpha }))
+    }
+}
+
+impl NamedLaw for Ogden {
+    const NAME: &'static str = "ogden";
+    const KEYS: &'static [Key] = &[Key { name: "terms", kind: KeyKind::Terms }];
+    const WANTS: &'static str =
+        "`terms = [{ mu, alpha }]`, with `bulk_modulus` if it is compressible";
+
+    fn read(keys: &LawKeys<'_>) -> Result<Self, InvalidMaterial> {
+        let terms = keys.terms("terms")?;
+        if terms.is_empty() {
+            let line =
+                "[material] terms is empty; an Ogden law has at least one { mu, alpha }".to_owned();
+            return Err(line.into());
+        }
+        let is_exponent = |alpha: f64| alpha != 0.0 && alpha.abs() <= LARGEST_EXPONENT;
+        if let Some(OgdenTerm { alpha, .. }) = terms.iter().find(|term| !is_exponent(term.alpha)) {
+            return Err(format!(
+                "[material] terms: alpha is {alpha:?}, but it must be a number other than 0 and at most {LARGEST_EXPONENT} in size"
+            )
+            .into());
+        }
+        let modulus: f64 = terms.iter().map(|term| term.mu).sum();
+        positive("the sum of mu over the [material] terms", modulus)?;
+        Ok(Self::new(terms))
     }
 }
 
@@ -97,6 +129,14 @@ impl IncompressibleLaw for Ogden {
 
     fn shear_modulus(&self) -> f64 {
         self.terms().map(|term| term.mu).sum()
+    }
+
+    fn solid_energy(&self, f: &Matrix3<f64>) -> f64 {
+        of_stretches::energy(f, self.terms())
+    }
+
+    fn solid_response(&self, f: &Matrix3<f64>, with_moduli: bool) -> SolidResponse {
+        of_stretches::response(f, with_moduli, self.terms())
     }
 }
 
@@ -203,9 +243,23 @@ impl PreparedTerm {
 
 #[cfg(test)]
 mod tests {
+    use num_dual::DualNum;
+
     use super::*;
     use crate::model::material::Material;
-    use crate::model::material::test_laws::check_nominal_stresses;
+    use crate::model::material::test_laws::{Example, check_nominal_stresses, power_sum};
+
+    impl Example for Ogden {
+        fn examples() -> Vec<Self> {
+            vec![Self::ninjaflex_c2s(), Self::ninjaflex_yap2016()]
+        }
+
+        fn energy_of_stretches<D: DualNum<Primitive = f64> + Copy>(&self, l: [D; 3]) -> D {
+            let of_term =
+                |OgdenTerm { mu, alpha }| power_sum(l, alpha) * (2.0 * mu / (alpha * alpha));
+            self.terms().map(of_term).fold(D::from(0.0), |sum, energy| sum + energy)
+        }
+    }
 
     #[test]
     fn nominal_stresses_are_those_of_the_books() {

@@ -14,7 +14,8 @@
 //!
 //! Source: Koiter (1966), On the nonlinear theory of thin elastic shells.
 
-use super::OfInvariants;
+use super::keys::{FileLaw, InvalidMaterial, Key, LawKeys};
+use super::{Material, OfInvariants};
 
 /// A linear elastic wall at small strains and large rotations.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +24,21 @@ pub struct StVenantKirchhoff {
     pub young_modulus: f64,
     /// Poisson's ratio, above -1 and at most 0.5.
     pub poisson_ratio: f64,
+}
+
+/// How files name it.
+pub(super) const FILE_LAW: FileLaw = FileLaw {
+    name: "st-venant-kirchhoff",
+    keys: &[Key::number("young_modulus"), Key::number("poisson_ratio")],
+    wants: "`young_modulus` and `poisson_ratio`",
+    material,
+};
+
+fn material(keys: &LawKeys<'_>) -> Result<Material, InvalidMaterial> {
+    keys.allow(&["young_modulus", "poisson_ratio"])?;
+    let young_modulus = keys.positive("young_modulus")?;
+    let poisson_ratio = keys.within("poisson_ratio", -0.99, 0.5)?;
+    Ok(Material::StVenantKirchhoff(StVenantKirchhoff { young_modulus, poisson_ratio }))
 }
 
 impl StVenantKirchhoff {
@@ -45,6 +61,10 @@ impl StVenantKirchhoff {
         self.factor() * (trace * trace - 2.0 * (1.0 - self.poisson_ratio) * det)
     }
 
+    pub(super) fn shear_modulus(&self) -> f64 {
+        0.5 * self.young_modulus / (1.0 + self.poisson_ratio)
+    }
+
     fn factor(&self) -> f64 {
         self.young_modulus / (2.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
     }
@@ -55,7 +75,6 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
-    use crate::model::material::Material;
     use crate::model::material::test_laws::nominal_stress;
 
     /// Second Piola-Kirchhoff stresses are linear in `(l^2 - 1) / 2`, and a nominal stress is `l` times those.

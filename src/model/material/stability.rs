@@ -6,6 +6,7 @@
 //!
 //! Source: Drucker (1959); the modes are those that Abaqus checks.
 
+use super::rubber::IncompressibleLaw;
 use super::{Material, OfInvariants};
 
 /// A homogeneous deformation of a sheet, led by one stretch.
@@ -59,7 +60,7 @@ impl Material {
         let squares = [l1 * l1, l2 * l2];
         let (t, j) = (squares[0] + squares[1], squares[0] * squares[1]);
         let density = match self {
-            Self::Compressible(law) => law.law.law().density(t, j),
+            Self::Compressible(law) => law.law.density(t, j),
             _ => self.density(t, j),
         };
         let [[h11, h12], [_, h22]] = hessian_by_log_stretches(&density, squares);

@@ -5,6 +5,21 @@ use num_dual::{DualNum, first_derivative, second_derivative};
 
 use super::*;
 
+/// What the file of a rubber says of it to the shared tests.
+pub(super) trait Example: Sized {
+    /// Laws with numbers that are easy to tell apart.
+    fn examples() -> Vec<Self>;
+
+    /// The energy density in principal stretches whose product is 1, as the books write it, MPa; not a number where the
+    /// law ends.
+    fn energy_of_stretches<D: DualNum<Primitive = f64> + Copy>(&self, l: [D; 3]) -> D;
+}
+
+/// `l1^alpha + l2^alpha + l3^alpha - 3`.
+pub(super) fn power_sum<D: DualNum<Primitive = f64> + Copy>(l: [D; 3], alpha: f64) -> D {
+    l[0].powf(alpha) + l[1].powf(alpha) + l[2].powf(alpha) - 3.0
+}
+
 /// Checks the nominal stress `d psi / d l1` of an incompressible law, given in closed form for uniaxial, equibiaxial
 /// and planar stretch, and that a side free to narrow is free of stress.
 pub(super) fn check_nominal_stresses(
@@ -37,18 +52,8 @@ pub(super) fn nominal_stress(law: &Material, [l1, l2]: [f64; 2]) -> [f64; 2] {
     [2.0 * l1 * (psi_t + psi_j * l2 * l2), 2.0 * l2 * (psi_t + psi_j * l1 * l1)]
 }
 
-pub(super) fn rubbers() -> [Rubber; 5] {
-    [
-        Rubber::NeoHookean(NeoHookean { mu: 1.3 }),
-        Rubber::MooneyRivlin(MooneyRivlin { c1: 0.4, c2: 0.15 }),
-        Rubber::Yeoh(Yeoh { c: [0.6, -0.05, 0.01] }),
-        Rubber::Ogden(Ogden::ninjaflex_c2s()),
-        Rubber::Ogden(Ogden::ninjaflex_yap2016()),
-    ]
-}
-
 pub(super) fn compressible(law: &Rubber, bulk_over_shear: f64) -> Compressible {
-    let bulk_modulus = bulk_over_shear * law.law().shear_modulus();
+    let bulk_modulus = bulk_over_shear * law.shear_modulus();
     Compressible { law: law.clone(), bulk_modulus }
 }
 
@@ -65,6 +70,24 @@ fn laws() -> Vec<Material> {
     laws
 }
 
+/// Files take every key that a law says it wants, and no two keys of a name hold different things.
+#[test]
+fn laws_want_the_keys_that_they_have() {
+    for law in LAWS {
+        for key in law.keys {
+            let is_wanted = law.wants.contains(&format!("`{}`", key.name))
+                || law.wants.contains(&format!("`{} = ", key.name));
+            assert!(is_wanted, "{}: `{}` is not among {}", law.name, key.name, law.wants);
+            assert!(keys().contains(key), "{}: `{}` holds something else", law.name, key.name);
+        }
+        assert_eq!(LAWS.iter().filter(|other| other.name == law.name).count(), 1, "{}", law.name);
+        let nothing = Material::named(law.name, &[]).unwrap_err().to_string();
+        assert!(nothing.contains(law.wants), "{nothing}");
+        let surplus = Material::named(law.name, &[("surplus", KeyValue::Number(1.0))]);
+        assert!(surplus.unwrap_err().to_string().contains(law.wants), "{}", law.name);
+    }
+}
+
 #[rustfmt::skip]
 const STRETCHES: [[f64; 2]; 8] = [
     [1.0, 1.0], [1.0 + 1e-9, 1.0], [1.05, 1.0], [1.2, 1.2], [1.21, 1.2], [0.7, 1.4], [2.5, 0.9], [3.0, 3.0],
@@ -72,23 +95,6 @@ const STRETCHES: [[f64; 2]; 8] = [
 
 pub(super) fn invariants([l1, l2]: [f64; 2]) -> (f64, f64) {
     (l1 * l1 + l2 * l2, (l1 * l2).powi(2))
-}
-
-/// An incompressible law in stretches whose product is 1, as the books write it.
-pub(super) fn energy_of_shape<D: DualNum<Primitive = f64> + Copy>(law: &Rubber, l: [D; 3]) -> D {
-    let sum = |alpha: f64| l[0].powf(alpha) + l[1].powf(alpha) + l[2].powf(alpha) - 3.0;
-    match law {
-        Rubber::NeoHookean(law) => sum(2.0) * (0.5 * law.mu),
-        Rubber::MooneyRivlin(law) => sum(2.0) * law.c1 + sum(-2.0) * law.c2,
-        Rubber::Yeoh(law) => {
-            let x = sum(2.0);
-            x * law.c[0] + x.powi(2) * law.c[1] + x.powi(3) * law.c[2]
-        }
-        Rubber::Ogden(law) => law
-            .terms()
-            .map(|term| sum(term.alpha) * (2.0 * term.mu / (term.alpha * term.alpha)))
-            .fold(D::from(0.0), |sum, energy| sum + energy),
-    }
 }
 
 /// A compressible law in stretches, whatever the third.
@@ -103,17 +109,14 @@ fn energy_in_space<D: DualNum<Primitive = f64> + Copy>(law: &Compressible, l: [D
 fn energy_of_stretches(law: &Material, [l1, l2]: [f64; 2]) -> f64 {
     let (t, j) = invariants([l1, l2]);
     let l = [l1, l2, law.thickness_stretch(t, j).value];
-    match law.clone() {
-        Material::NeoHookean(law) => energy_of_shape(&Rubber::NeoHookean(law), l),
-        Material::MooneyRivlin(law) => energy_of_shape(&Rubber::MooneyRivlin(law), l),
-        Material::Yeoh(law) => energy_of_shape(&Rubber::Yeoh(law), l),
-        Material::Ogden(law) => energy_of_shape(&Rubber::Ogden(law), l),
-        Material::Compressible(law) => energy_in_space(&law, l),
-        Material::StVenantKirchhoff(StVenantKirchhoff { young_modulus, poisson_ratio }) => {
+    match (law.clone(), law.rubber()) {
+        (Material::Compressible(law), _) => energy_in_space(&law, l),
+        (Material::StVenantKirchhoff(StVenantKirchhoff { young_modulus, poisson_ratio }), _) => {
             let [e1, e2] = [l1, l2].map(|l| 0.5 * (l * l - 1.0));
             let factor = 0.5 * young_modulus / (1.0 - poisson_ratio * poisson_ratio);
             factor * (e1 * e1 + e2 * e2 + 2.0 * poisson_ratio * e1 * e2)
         }
+        (_, rubber) => energy_of_shape(&rubber.expect("a rubber").0, l),
     }
 }
 
@@ -126,6 +129,10 @@ fn energy_equals_the_formula_in_stretches() {
             // Yap's coefficients of 240 MPa cancel: 2e-12 is eight roundings of each.
             let (epsilon, max_relative) = (2e-12, 1e-12);
             let energies = [law.density(t, j).value, law.energy(t, j)];
+            if !exact.is_finite() {
+                assert!(energies.iter().all(|energy| !energy.is_finite()), "{law:?} has ended");
+                continue;
+            }
             for energy in energies {
                 assert_relative_eq!(energy, exact, epsilon = epsilon, max_relative = max_relative);
             }
@@ -202,6 +209,10 @@ fn local_solve_leaves_no_normal_stress() {
         for bulk_over_shear in [0.3, 1.0, 4.0, 50.0, 1e3, 1e6, 1e12] {
             let law = compressible(&rubber, bulk_over_shear);
             for (l1, l2) in stretches.iter().flat_map(|&l1| stretches.map(|l2| (l1, l2))) {
+                // Beyond its end a law has no force that could vanish.
+                if !energy_of_shape(&rubber, [l1, l2, f64::recip(l1 * l2)]).is_finite() {
+                    continue;
+                }
                 let (t, j) = invariants([l1, l2]);
                 let l3 = Material::Compressible(law.clone()).thickness_stretch(t, j);
                 let along = |l3| {

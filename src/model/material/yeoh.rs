@@ -6,9 +6,8 @@
 //!
 //! Source: Yeoh (1993).
 
-use super::OfInvariants;
-use super::neo_hookean::first_invariant;
-use super::rubber::IncompressibleLaw;
+use super::keys::{InvalidMaterial, Key, KeyKind, LawKeys, coefficient, positive};
+use super::rubber::{FirstInvariantLaw, NamedLaw};
 
 /// Incompressible Yeoh rubber; its shear modulus at rest is twice the first coefficient.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +16,22 @@ pub struct Yeoh {
     pub c: [f64; 3],
 }
 
-impl Yeoh {
-    /// `psi` and its first three derivatives by `I1`, at `x = I1 - 3`.
-    fn polynomial(&self, x: f64) -> [f64; 4] {
+impl NamedLaw for Yeoh {
+    const NAME: &'static str = "yeoh";
+    const KEYS: &'static [Key] = &[Key { name: "c", kind: KeyKind::Triple }];
+    const WANTS: &'static str = "`c = [c1, c2, c3]`, with `bulk_modulus` if it is compressible";
+
+    fn read(keys: &LawKeys<'_>) -> Result<Self, InvalidMaterial> {
+        let c = keys.triple("c")?;
+        positive("the first of [material] c", c[0])?;
+        coefficient("the second of [material] c", c[1])?;
+        coefficient("the third of [material] c", c[2])?;
+        Ok(Self { c })
+    }
+}
+
+impl FirstInvariantLaw for Yeoh {
+    fn of_first(&self, x: f64) -> [f64; 4] {
         let [c1, c2, c3] = self.c;
         [
             x * (c1 + x * (c2 + x * c3)),
@@ -30,32 +42,24 @@ impl Yeoh {
     }
 }
 
-impl IncompressibleLaw for Yeoh {
-    fn density(&self, t: f64, j: f64) -> OfInvariants {
-        let [psi, d, dd, _] = self.polynomial(t + 1.0 / j - 3.0);
-        first_invariant(t, j, [1.0, 1.0]).chain([psi, d, dd])
-    }
-
-    fn energy(&self, t: f64, j: f64) -> f64 {
-        self.polynomial(t + 1.0 / j - 3.0)[0]
-    }
-
-    fn dilation_rate(&self, t: f64, j: f64) -> OfInvariants {
-        let [_, d, dd, ddd] = self.polynomial(t + 1.0 / j - 3.0);
-        let slope = first_invariant(t, j, [1.0, 1.0]).chain([d, dd, ddd]);
-        slope * first_invariant(t, j, [-2.0 / 3.0, 4.0 / 3.0])
-    }
-
-    fn shear_modulus(&self) -> f64 {
-        2.0 * self.c[0]
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use num_dual::DualNum;
+
     use super::*;
     use crate::model::material::Material;
-    use crate::model::material::test_laws::check_nominal_stresses;
+    use crate::model::material::test_laws::{Example, check_nominal_stresses, power_sum};
+
+    impl Example for Yeoh {
+        fn examples() -> Vec<Self> {
+            vec![Self { c: [0.6, -0.05, 0.01] }]
+        }
+
+        fn energy_of_stretches<D: DualNum<Primitive = f64> + Copy>(&self, l: [D; 3]) -> D {
+            let x = power_sum(l, 2.0);
+            x * self.c[0] + x.powi(2) * self.c[1] + x.powi(3) * self.c[2]
+        }
+    }
 
     #[test]
     fn nominal_stresses_are_those_of_the_books() {

@@ -9,26 +9,25 @@
 //! same rubber. `U = kappa/2 (J - 1)^2`, or the constraint `J = 1` where the rubber is incompressible, belongs to the
 //! element, whose pressures carry it.
 //!
-//! The laws in the invariants of `C = F^T F` have closed tensor formulas (`invariants.rs`); Ogden's powers go through
-//! the principal stretches (`stretches.rs`).
+//! The laws in the invariants of `C = F^T F` have closed tensor formulas (`of_invariants.rs`); Ogden's powers go through
+//! the principal stretches (`of_stretches.rs`).
 //!
 //! Source: Flory (1961).
 
-mod invariants;
-mod stretches;
+pub(super) mod of_invariants;
+pub(super) mod of_stretches;
 #[cfg(test)]
 mod tests;
 
 use nalgebra::Matrix3;
 
-use super::{Compressible, Material, Rubber};
-use invariants::Polynomial;
-use stretches::Powers;
+use super::rubber::IncompressibleLaw;
+use super::{Material, Rubber};
 
 /// A rubber's resistance to changes of shape, and what it says about its volume.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidLaw {
-    shape: Shape,
+    rubber: Rubber,
     shear_modulus: f64,
     bulk_modulus: Option<f64>,
 }
@@ -46,23 +45,11 @@ pub struct SolidResponse {
     pub moduli: [[Matrix3<f64>; 3]; 3],
 }
 
-#[derive(Clone, Debug, PartialEq)]
-enum Shape {
-    Invariants(Polynomial),
-    Stretches(Powers),
-}
-
 impl SolidLaw {
     /// The law of a rubber with this bulk modulus, MPa; none where it is incompressible.
     #[must_use]
     pub fn new(rubber: &Rubber, bulk_modulus: Option<f64>) -> Self {
-        let shape = match rubber {
-            Rubber::NeoHookean(law) => Shape::Invariants(Polynomial::from(law)),
-            Rubber::MooneyRivlin(law) => Shape::Invariants(Polynomial::from(law)),
-            Rubber::Yeoh(law) => Shape::Invariants(Polynomial::from(law)),
-            Rubber::Ogden(law) => Shape::Stretches(Powers::from(law)),
-        };
-        Self { shape, shear_modulus: rubber.law().shear_modulus(), bulk_modulus }
+        Self { rubber: rubber.clone(), shear_modulus: rubber.shear_modulus(), bulk_modulus }
     }
 
     /// The bulk modulus, MPa; none where the rubber is incompressible.
@@ -81,10 +68,7 @@ impl SolidLaw {
     #[must_use]
     #[inline]
     pub fn energy(&self, f: &Matrix3<f64>) -> f64 {
-        match &self.shape {
-            Shape::Invariants(law) => law.energy(f),
-            Shape::Stretches(law) => law.energy(f),
-        }
+        self.rubber.solid_energy(f)
     }
 
     /// `psi_iso` with its first, and if asked for its second derivatives, at a deformation gradient whose determinant
@@ -92,10 +76,7 @@ impl SolidLaw {
     #[must_use]
     #[inline]
     pub fn response(&self, f: &Matrix3<f64>, with_moduli: bool) -> SolidResponse {
-        match &self.shape {
-            Shape::Invariants(law) => law.response(f, with_moduli),
-            Shape::Stretches(law) => law.response(f, with_moduli),
-        }
+        self.rubber.solid_response(f, with_moduli)
     }
 }
 
@@ -103,15 +84,7 @@ impl Material {
     /// The law in three dimensions; none of [`Material::StVenantKirchhoff`], which is a law of thin walls.
     #[must_use]
     pub fn solid(&self) -> Option<SolidLaw> {
-        let (rubber, bulk_modulus) = match self.clone() {
-            Self::NeoHookean(law) => (Rubber::NeoHookean(law), None),
-            Self::MooneyRivlin(law) => (Rubber::MooneyRivlin(law), None),
-            Self::Yeoh(law) => (Rubber::Yeoh(law), None),
-            Self::Ogden(law) => (Rubber::Ogden(law), None),
-            Self::Compressible(Compressible { law, bulk_modulus }) => (law, Some(bulk_modulus)),
-            Self::StVenantKirchhoff(_) => return None,
-        };
-        Some(SolidLaw::new(&rubber, bulk_modulus))
+        self.rubber().map(|(rubber, bulk_modulus)| SolidLaw::new(&rubber, bulk_modulus))
     }
 }
 
