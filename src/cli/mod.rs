@@ -6,6 +6,7 @@ mod contact_rows;
 mod design_folder;
 mod evaluations;
 mod evolve;
+mod export;
 mod formula;
 mod material;
 mod mesh;
@@ -136,6 +137,8 @@ enum Command {
         #[arg(long)]
         solver: Option<SolverName>,
     },
+    /// Write a design for a printer, with an air inlet, and report whether it can be printed.
+    Export(export::Export),
     /// Compare with published numbers; the exit code is 1 when one is too far.
     #[command(arg_required_else_help = true)]
     Verify {
@@ -331,6 +334,7 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         Command::Certify { run, networks, random, out, threads, solver } => {
             certify::run(&run, &networks, random, &out, threads, solver.map(Backend::from))
         }
+        Command::Export(export) => export.run(),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),
