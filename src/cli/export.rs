@@ -98,11 +98,12 @@ impl Export {
         within("--density", self.density, 0.01, 30.0)?;
         let (name, network, run) = self.design()?;
         let thickness = run.wall.thickness;
+        let base_height = run.wall.clamp_height * thickness;
         within("--edge", self.edge, 0.1, 20.0)?;
         within("--voxel, which is to find leaks of the wall,", self.voxel, 0.05, 0.5 * thickness)?;
         let refused = |rejected: Rejected| anyhow!("{name}: {rejected}");
         let (wall, edge) = self.wall(&middle_of(&network, &run)?, thickness).map_err(refused)?;
-        let part = PrintedPart::new(&wall, thickness, &inlet).map_err(refused)?;
+        let part = PrintedPart::new(&wall, thickness, base_height, &inlet).map_err(refused)?;
         self.check_voxels(&part.surface)?;
         let settings = PrintSettings { voxel: self.voxel, density: self.density };
         let printability = Printability::of(&part, &settings).map_err(refused)?;

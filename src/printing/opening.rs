@@ -23,8 +23,8 @@ pub(super) struct Circle {
 
 impl Circle {
     /// The corners, counter-clockwise seen from above, mm.
-    pub(super) fn corners(&self) -> impl Iterator<Item = [f64; 2]> {
-        let Self { centre: [x, y], radius } = *self;
+    pub(super) fn corners(self) -> impl Iterator<Item = [f64; 2]> {
+        let Self { centre: [x, y], radius } = self;
         (0..SEGMENTS).map(move |k| {
             let angle = std::f64::consts::TAU * k as f64 / SEGMENTS as f64;
             [x + radius * angle.cos(), y + radius * angle.sin()]
@@ -52,11 +52,12 @@ pub(super) fn opened(mesh: &TriangleMesh, circle: &Circle) -> Result<Opened, Rej
     let surface = HalfEdges::try_from(mesh)?;
     let patch = patch(mesh, &surface, circle)?;
     let hem = hem(&surface, &patch)?;
+    let taken: Vec<usize> = (0..patch.len()).filter(|&t| patch[t]).collect();
     let flat = |v: u32| [mesh.positions[v as usize].x, mesh.positions[v as usize].y];
     let hem_corners: Vec<[f64; 2]> = hem.iter().map(|&v| flat(v)).collect();
     let rim_corners: Vec<[f64; 2]> = circle.corners().collect();
     let height =
-        |p: [f64; 2]| lowest(mesh, &patch, p).map(|(_, z)| z).ok_or_else(|| uneven("has a gap"));
+        |p: [f64; 2]| lowest(mesh, &taken, p).map(|(_, z)| z).ok_or_else(|| uneven("has a gap"));
 
     let first = mesh.positions.len() as u32;
     let mut positions = mesh.positions.clone();
@@ -77,7 +78,7 @@ pub(super) fn opened(mesh: &TriangleMesh, circle: &Circle) -> Result<Opened, Rej
 
 /// Which triangles reach into the circle or near it: `[triangles]`.
 fn patch(mesh: &TriangleMesh, surface: &HalfEdges, circle: &Circle) -> Result<Vec<bool>, Rejected> {
-    let everywhere = vec![true; mesh.triangles.len()];
+    let everywhere: Vec<usize> = (0..mesh.triangles.len()).collect();
     let (seed, _) = lowest(mesh, &everywhere, circle.centre).ok_or_else(|| uneven("has a gap"))?;
     let reach = circle.radius + CLEARANCE;
     let mut patch = vec![false; mesh.triangles.len()];
@@ -96,11 +97,7 @@ fn patch(mesh: &TriangleMesh, surface: &HalfEdges, circle: &Circle) -> Result<Ve
     for t in 0..patch.len() {
         patch[t] |= beside(t).iter().filter(|&&other| patch[other]).count() > 1;
     }
-    let is_steep = |t: usize| {
-        let area = mesh.area_vector(t);
-        area.z > -LEAST_FACING * area.norm()
-    };
-    if (0..patch.len()).any(|t| patch[t] && is_steep(t)) {
+    if (0..patch.len()).any(|t| patch[t] && facing_down(mesh, t) < LEAST_FACING) {
         return Err(uneven("is steep"));
     }
     Ok(patch)
@@ -168,7 +165,7 @@ fn is_within([x, y]: [f64; 2], polygon: &[[f64; 2]]) -> bool {
 }
 
 /// Of the triangles `among` above or below `p`, the lowest and its height there, mm.
-fn lowest(mesh: &TriangleMesh, among: &[bool], p: [f64; 2]) -> Option<(usize, f64)> {
+pub(super) fn lowest(mesh: &TriangleMesh, among: &[usize], p: [f64; 2]) -> Option<(usize, f64)> {
     let height = |t: usize| {
         let [a, b, c] = mesh.corners(t);
         let turn = |u: Vec3, v: Vec3| (u.x - p[0]) * (v.y - p[1]) - (u.y - p[1]) * (v.x - p[0]);
@@ -178,8 +175,13 @@ fn lowest(mesh: &TriangleMesh, among: &[bool], p: [f64; 2]) -> Option<(usize, f6
         let z = (weights[0] * a.z + weights[1] * b.z + weights[2] * c.z) / sum;
         (is_above && sum != 0.0).then_some((t, z))
     };
-    let heights = (0..mesh.triangles.len()).filter(|&t| among[t]).filter_map(height);
-    heights.min_by(|a, b| a.1.total_cmp(&b.1))
+    among.iter().copied().filter_map(height).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The share of triangle `t` that faces down: the cosine of its slope.
+pub(super) fn facing_down(mesh: &TriangleMesh, t: usize) -> f64 {
+    let area = mesh.area_vector(t);
+    -area.z / area.norm()
 }
 
 /// The horizontal distance of a triangle from a vertical axis, mm.
@@ -224,8 +226,8 @@ fn uneven(what: &str) -> Rejected {
 
 /// Triangles nearer to the rim than this, mm, are made anew: they would be slivers.
 const CLEARANCE: f64 = 0.3;
-/// Share of a triangle that faces down: 60 degrees. Those about the opening may reach the rounded edge of the base.
-const LEAST_FACING: f64 = 0.5;
+/// Of the triangles that are made anew: 75 degrees. Those about the opening may reach the rounded edge of the base.
+const LEAST_FACING: f64 = 0.25;
 
 #[cfg(test)]
 mod tests {
@@ -261,7 +263,7 @@ mod tests {
     #[test]
     fn what_is_steep_is_refused() {
         let ball = TriangleMesh::sphere(3.0, 3);
-        let rejection = opened(&ball, &Circle { centre: [0.0, 0.0], radius: 2.8 }).unwrap_err();
+        let rejection = opened(&ball, &Circle { centre: [0.0, 0.0], radius: 2.95 }).unwrap_err();
         assert_eq!(rejection.reason, "base_uneven", "{rejection}");
     }
 }

@@ -18,9 +18,9 @@ use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::WallSurfaces;
 use crate::surface::{SignedDistance, TriangleMesh, intersecting_pairs};
 
-use super::base::BaseDisc;
+use super::base::{Base, BaseDisc};
 use super::inlet::Inlet;
-use super::opening::{Circle, SEGMENTS, opened};
+use super::opening::{Circle, opened};
 
 /// A closed surface around what is printed.
 #[derive(Clone, Debug)]
@@ -42,9 +42,9 @@ pub struct Bore {
     pub centre: [f64; 2],
     /// Its radius, mm.
     pub radius: f64,
-    /// z of its lower end, mm.
+    /// z where it begins, at the tip of a barb or the lowest point of the base about it, mm.
     pub bottom: f64,
-    /// z of its upper end, the floor of the chamber, mm.
+    /// z where it ends, at the highest point of the chamber's floor about it, mm.
     pub top: f64,
 }
 
@@ -59,18 +59,24 @@ impl Bore {
 }
 
 impl PrintedPart {
-    /// The part of a `wall` of `thickness` (mm) with an `inlet` in the middle of its base.
+    /// The part of a `wall` of `thickness` (mm) with an `inlet` in the middle of its base, which is `base_height` (mm) high: what is clamped.
     ///
     /// # Errors
     /// [`Rejected`] with the reason `no_base` or `base_too_small` when the inlet has no place on the base with the chamber above it
     /// (the violation is the share of its radius that lacks), `base_uneven` when the base cannot be cut there, `defective_surface` or
     /// `self_intersecting` when the result is no closed surface apart from itself.
-    pub fn new(wall: &WallSurfaces, thickness: f64, inlet: &Inlet) -> Result<Self, Rejected> {
+    pub fn new(
+        wall: &WallSurfaces,
+        thickness: f64,
+        base_height: f64,
+        inlet: &Inlet,
+    ) -> Result<Self, Rejected> {
         let WallSurfaces { outer, chamber } = wall;
         let (surface, first, bore) = match inlet.bore() {
             None => (outer.joined(&turned(chamber)), outer.triangles.len(), None),
             Some(diameter) => {
-                let disc = roomy_base(wall, thickness, inlet)?;
+                let base = Base { thickness, height: base_height };
+                let disc = roomy_base(wall, &base, inlet)?;
                 with_inlet(wall, &disc, inlet, 0.5 * diameter)?
             }
         };
@@ -93,12 +99,12 @@ pub(super) fn turned(mesh: &TriangleMesh) -> TriangleMesh {
 }
 
 /// The disc of the base, wide enough for the `inlet`.
-fn roomy_base(wall: &WallSurfaces, thickness: f64, inlet: &Inlet) -> Result<BaseDisc, Rejected> {
-    let disc = BaseDisc::of(wall, thickness)?;
+fn roomy_base(wall: &WallSurfaces, base: &Base, inlet: &Inlet) -> Result<BaseDisc, Rejected> {
+    let disc = base.disc(wall)?;
     let needed = inlet.foot() + MARGIN;
     if disc.radius < needed {
         let detail = format!(
-            "the base is flat, with the chamber above, over a disc of radius {:.1} mm; the inlet wants {needed:.1} mm",
+            "the base has room for a disc of radius {:.1} mm, with the chamber above; the inlet wants {needed:.1} mm",
             disc.radius.max(0.0)
         );
         let lack = 1.0 - disc.radius.max(0.0) / needed;
@@ -117,46 +123,50 @@ fn with_inlet(
     let centre = disc.centre;
     let outer = opened(&wall.outer, &Circle { centre, radius: inlet.foot() })?;
     let chamber = opened(&wall.chamber, &Circle { centre, radius })?;
-    let mean_height = |mesh: &TriangleMesh, rim: &[u32]| {
-        rim.iter().map(|&v| mesh.positions[v as usize].z).sum::<f64>() / rim.len() as f64
+    let places = |mesh: &TriangleMesh, rim: &[u32]| -> Vec<Vec3> {
+        rim.iter().map(|&v| mesh.positions[v as usize]).collect()
     };
-    let foot = mean_height(&outer.mesh, &outer.rim);
-    let top = mean_height(&chamber.mesh, &chamber.rim);
-    let mut corners = vec![[inlet.foot(), foot]];
-    corners.extend(inlet.corners().iter().map(|[radius, depth]| [*radius, foot - depth]));
-    corners.push([radius, top]);
+    let mut rings = vec![places(&outer.mesh, &outer.rim)];
+    rings.extend(inlet.corners().iter().map(|&[radius, depth]| {
+        let corners = Circle { centre, radius }.corners();
+        corners.map(|[x, y]| Vec3::new(x, y, disc.bottom - depth)).collect()
+    }));
+    rings.push(places(&chamber.mesh, &chamber.rim));
+    let heights = || rings.iter().flatten().map(|p| p.z);
+    let bottom = heights().fold(f64::INFINITY, f64::min);
+    let top = heights().fold(f64::NEG_INFINITY, f64::max);
 
     let TriangleMesh { mut positions, mut triangles } = outer.mesh;
-    let shift = |rim: &[u32], by: usize| rim.iter().map(|v| v + by as u32).collect::<Vec<u32>>();
     let mut rim = outer.rim;
-    let circles = between(&corners);
-    for &[radius, z] in &circles {
-        let next = shift(&(0..SEGMENTS as u32).collect::<Vec<_>>(), positions.len());
-        let circle = Circle { centre, radius };
-        positions.extend(circle.corners().map(|[x, y]| Vec3::new(x, y, z)));
+    for ring in between(&rings) {
+        let first = positions.len() as u32;
+        let next: Vec<u32> = (first..first + ring.len() as u32).collect();
+        positions.extend(ring);
         push_strip(&rim, &next, &mut triangles);
         rim = next;
     }
-    push_strip(&rim, &shift(&chamber.rim, positions.len()), &mut triangles);
+    let shift = positions.len() as u32;
+    let last: Vec<u32> = chamber.rim.iter().map(|v| v + shift).collect();
+    push_strip(&rim, &last, &mut triangles);
     let first = triangles.len();
     let surface = TriangleMesh { positions, triangles }.joined(&turned(&chamber.mesh));
-    let bottom = corners.iter().map(|corner| corner[1]).fold(top, f64::min);
     Ok((surface, first, Some(Bore { centre, radius, bottom, top })))
 }
 
-/// The radii and heights of circles along `corners` (mm), the first and the last left out, at most [`LONGEST`] apart.
-fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut circles = Vec::new();
-    for pair in corners.windows(2) {
-        let [[r, z], [next_r, next_z]] = [pair[0], pair[1]];
-        let steps = ((next_r - r).hypot(next_z - z) / LONGEST).ceil().max(1.0) as usize;
-        circles.extend((1..=steps).map(|step| {
+/// The `rings` but for the first and the last, and others between them where they are farther than [`LONGEST`] apart.
+fn between(rings: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
+    let mut all = Vec::new();
+    for pair in rings.windows(2) {
+        let ways = || pair[0].iter().zip(&pair[1]);
+        let longest = ways().map(|(from, to)| (to - from).norm()).fold(0.0, f64::max);
+        let steps = (longest / LONGEST).ceil().max(1.0) as usize;
+        all.extend((1..=steps).map(|step| {
             let share = step as f64 / steps as f64;
-            [r + share * (next_r - r), z + share * (next_z - z)]
+            ways().map(|(from, to)| from + share * (to - from)).collect::<Vec<Vec3>>()
         }));
     }
-    circles.pop();
-    circles
+    all.pop();
+    all
 }
 
 /// Appends the triangles between a rim and the next, both counter-clockwise seen from above; the first has the material outside and
@@ -192,9 +202,9 @@ fn deepest(chamber: &TriangleMesh) -> Result<Vec3, Rejected> {
     }
 }
 
-/// Flat base that must be left about an inlet, mm: a bead of a nozzle of 0.4 mm, and what a grid step hides.
+/// Base that must be left about an inlet, mm: a bead of a nozzle of 0.4 mm, and what a grid step hides.
 const MARGIN: f64 = 0.5;
-/// Between circles of an inlet, mm: triangles of it are at most some three times as long as wide.
+/// Between rings of an inlet, mm: triangles of it are at most some three times as long as wide.
 const LONGEST: f64 = 0.6;
 /// Of the search for the deepest point, along the longest side of the chamber.
 const GRID: f64 = 48.0;
@@ -221,7 +231,7 @@ mod tests {
     #[test]
     fn without_an_inlet_there_are_two_closed_surfaces() {
         let wall = wall(&ball([0.0; 3], 8.0));
-        let part = PrintedPart::new(&wall, THICKNESS, &Inlet::None).unwrap();
+        let part = PrintedPart::new(&wall, THICKNESS, 2.4, &Inlet::None).unwrap();
         let volumes = part.surface.component_volumes();
         // Sums of the same terms in another order.
         assert_relative_eq!(volumes[0], wall.outer.volume(), max_relative = 1e-12);
@@ -237,7 +247,7 @@ mod tests {
     #[test]
     fn a_hole_takes_its_own_volume() {
         let wall = wall(&cylinder(10.0, 20.0, 1.5));
-        let part = PrintedPart::new(&wall, THICKNESS, &Inlet::Hole { bore: 3.0 }).unwrap();
+        let part = PrintedPart::new(&wall, THICKNESS, 2.4, &Inlet::Hole { bore: 3.0 }).unwrap();
         let surface = &part.surface;
         assert_eq!((surface.component_volumes().len(), surface.genus()), (1, 0));
         // Base and floor are flat to 1e-6 of an edge, in a volume 100 times the bore's.
@@ -252,7 +262,7 @@ mod tests {
     fn a_barb_adds_its_own_volume() {
         let wall = wall(&cylinder(10.0, 20.0, 1.5));
         let barb = Inlet::Barb { bore: 3.0, tube: 5.0 };
-        let part = PrintedPart::new(&wall, THICKNESS, &barb).unwrap();
+        let part = PrintedPart::new(&wall, THICKNESS, 2.4, &barb).unwrap();
         assert_eq!((part.surface.component_volumes().len(), part.surface.genus()), (1, 0));
         let outline = [[2.5, 0.0], [2.5, 2.0], [3.0, 2.5], [2.5, 5.0], [3.0, 5.5], [2.5, 8.0_f64]];
         let frustum = |pair: &[[f64; 2]]| {
@@ -268,10 +278,31 @@ mod tests {
         assert!((lower.z + 8.8).abs() < 1e-4, "{lower}");
     }
 
+    /// Through the round base of a ball a bore of radius a takes `2 pi / 3 (R^3 - (R^2 - a^2)^(3/2))` of the outer ball, less the same
+    /// of the chamber.
+    #[test]
+    fn a_hole_passes_a_round_base() {
+        let mid = ball([0.0; 3], 8.0);
+        let wall = wall(&mid);
+        let part = PrintedPart::new(&wall, THICKNESS, 2.4, &Inlet::Hole { bore: 6.0 }).unwrap();
+        assert_eq!((part.surface.component_volumes().len(), part.surface.genus()), (1, 0));
+        let below = |radius: f64| radius.powi(3) - (radius * radius - 9.0).powf(1.5);
+        let exact = polygon_area(1.0) * 2.0 / 3.0 * (below(8.8) - below(7.2));
+        // Facets of 1.5 mm sag by h^2 / 8 R: 0.03 mm outside and 0.04 mm inside, of 1.7 mm.
+        assert_relative_eq!(volume(&wall) - part.surface.volume(), exact, max_relative = 0.03);
+        let barb = Inlet::Barb { bore: 3.0, tube: 5.0 };
+        let part = PrintedPart::new(&wall, THICKNESS, 2.4, &barb).unwrap();
+        let (lower, _) = part.surface.bounding_box().unwrap();
+        let (bottom, _) = wall.outer.bounding_box().unwrap();
+        // Sums of tenths.
+        assert_relative_eq!(bottom.z - lower.z, 8.0, max_relative = 1e-12);
+    }
+
     #[test]
     fn an_inlet_without_a_place_is_refused() {
         let wall = wall(&ball([0.0; 3], 8.0));
-        let rejection = PrintedPart::new(&wall, THICKNESS, &Inlet::Hole { bore: 3.0 }).unwrap_err();
+        let rejection =
+            PrintedPart::new(&wall, THICKNESS, 2.4, &Inlet::Hole { bore: 12.0 }).unwrap_err();
         assert_eq!((rejection.room, rejection.reason.as_str()), (Room::Printing, "base_too_small"));
         assert!((0.0..1.0).contains(&rejection.violation), "{rejection:?}");
     }
