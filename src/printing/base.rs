@@ -77,7 +77,7 @@ impl Base {
             );
             return Err(Rejected::new(Room::Printing, "no_base", detail, 1.0));
         };
-        Ok(BaseDisc { centre, radius: radius - STEP, bottom: lower.z })
+        Ok(BaseDisc { centre, radius, bottom: lower.z })
     }
 }
 
@@ -119,12 +119,12 @@ mod tests {
     }
 
     /// The outer face of radius 8.8 mm is lower than 2.4 mm up to sqrt(2.4 (17.6 - 2.4)) = 6.04 mm, the chamber of 7.2 mm is steep
-    /// from 7.2 sin 60 = 6.2 mm on; a disc is known to a step, and facets of 1.5 mm decide.
+    /// from 7.2 sin 60 = 6.2 mm on; a disc is known to the diagonal of a step, and facets of 1.5 mm decide.
     #[test]
     fn a_ball_has_a_round_base() {
         let disc = disc(&ball([0.0, 0.0, 0.0], 8.0)).unwrap();
         assert!(disc.centre[0].hypot(disc.centre[1]) < 0.5, "{disc:?}");
-        assert!((5.0..6.1).contains(&disc.radius), "{disc:?}");
+        assert!((5.0..6.4).contains(&disc.radius), "{disc:?}");
     }
 
     /// A cone whose sides rise by 75 degrees has its chamber 1.6 mm / cos 75 above the wall's tip.

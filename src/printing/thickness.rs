@@ -4,7 +4,8 @@
 //! thickness(t) = the way from the middle of t against its normal to where the material ends
 //! ```
 //! The way is marched by the distance to the surface, which nothing is nearer than (sphere tracing). Where the faces of a wall are
-//! parallel it is their distance; elsewhere it is larger.
+//! parallel it is their distance; elsewhere it is larger. Ways that end on a face leaning by more than 30 degrees cut off an edge, not a
+//! wall, and are left out: at the rim of a bore through a slope they would be as short as one likes.
 //!
 //! Source: Shapira, Shamir and Cohen-Or (2008), Consistent mesh partitioning and skeletonisation using the shape diameter function,
 //! The Visual Computer 24:249-259, with one ray; Hart (1996), Sphere tracing, The Visual Computer 12:527-545.
@@ -54,13 +55,15 @@ pub fn thickness(surface: &TriangleMesh, wanted: f64) -> Result<Thickness, MeshD
     Ok(Thickness { least, place, thin_share: thin / surface.area() })
 }
 
-/// The way from `start`, a point of the surface, along `inward` to where the material ends, mm; none when it is not found.
+/// The way from `start`, a point of the surface, along `inward` to where the material ends, mm; none when that is not found, or at an
+/// edge.
 fn marched(distance: &SignedDistance, start: Vec3, inward: Vec3, longest: f64) -> Option<f64> {
     let mut way = DEPARTURE;
     for _ in 0..MOST_STEPS {
-        let depth = -distance.value(start + way * inward);
+        let (value, outward) = distance.value_and_gradient(start + way * inward);
+        let depth = -value;
         if depth < ARRIVAL {
-            return Some(way + depth);
+            return (outward.dot(&inward) > LEAST_FACING).then_some(way + depth);
         }
         way += depth;
         if way > longest {
@@ -74,6 +77,8 @@ fn marched(distance: &SignedDistance, start: Vec3, inward: Vec3, longest: f64) -
 const DEPARTURE: f64 = 0.01;
 /// What counts as the surface, mm; printers resolve hundredths.
 const ARRIVAL: f64 = 1e-3;
+/// Between the way and the normal where it ends: 30 degrees.
+const LEAST_FACING: f64 = 0.866;
 /// Along an edge the distance is a small constant: 50 mm at 0.1 mm.
 const MOST_STEPS: usize = 500;
 
@@ -93,6 +98,30 @@ mod tests {
         assert!((found.place - Vec3::new(8.75, 0.0, 0.0)).norm() < 0.6, "{found:?}");
         assert!((0.45..0.55).contains(&found.thin_share), "{found:?}");
         assert_eq!(thickness(&solid, 2.0).unwrap().thin_share, 0.0);
+    }
+
+    /// A roof whose eaves are edges of 45 degrees, 4 mm high: ways from its slopes end on the floor, which leans from them by 45 degrees,
+    /// and so do those from the floor on the slopes; only the gables face each other.
+    #[test]
+    fn edges_are_no_walls() {
+        let gable = |y: f64| [[-4.0, y, 0.0], [4.0, y, 0.0], [0.0, y, 4.0]].map(Vec3::from);
+        let roof = TriangleMesh {
+            positions: [gable(0.0), gable(9.0)].concat(),
+            triangles: vec![
+                [0, 1, 2],
+                [3, 5, 4],
+                [0, 3, 4],
+                [0, 4, 1],
+                [1, 4, 5],
+                [1, 5, 2],
+                [2, 5, 3],
+                [2, 3, 0],
+            ],
+        };
+        assert_eq!(roof.check_closed_manifold(), Ok(()));
+        let found = thickness(&roof, 1.0).unwrap();
+        // The march ends within 1e-3 mm.
+        assert!((found.least - 9.0).abs() < 1e-3 && found.thin_share == 0.0, "{found:?}");
     }
 
     #[test]
