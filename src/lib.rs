@@ -1,7 +1,7 @@
 //! Pneumatic soft actuators designed by evolution.
 //!
 //! The rooms, in the one direction that data moves (a room names only rooms to its left):
-//! `genome -> field -> surface -> mesh -> model -> solve -> fitness -> batch -> evolve -> report`.
+//! `genome -> field -> surface -> mesh -> model -> solve -> fitness -> batch -> evolve -> printing -> report`.
 //! `ARCHITECTURE.md` says what each room answers and what it must never know.
 
 pub mod math;
@@ -23,6 +23,8 @@ pub mod fitness;
 pub mod batch;
 
 pub mod evolve;
+
+pub mod printing;
 
 pub mod io;
 

@@ -42,6 +42,11 @@ impl MaterialSection {
         }
     }
 
+    /// The preset, or the law.
+    pub(super) fn name(&self) -> &str {
+        self.preset.as_deref().or(self.law.as_deref()).unwrap_or_default()
+    }
+
     fn of_preset(&self, preset: &str) -> anyhow::Result<Material> {
         if let Some((key, _)) = self.numbers.first() {
             bail!(

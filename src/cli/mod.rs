@@ -7,6 +7,7 @@ mod design_folder;
 mod doctor;
 mod evaluations;
 mod evolve;
+mod export;
 mod formula;
 mod material;
 mod mesh;
@@ -143,6 +144,8 @@ enum Command {
         #[arg(long)]
         solver: Option<SolverName>,
     },
+    /// Write a design for a printer, with an air inlet, and report whether it can be printed.
+    Export(export::Export),
     /// Compare with published numbers; the exit code is 1 when one is too far.
     #[command(arg_required_else_help = true)]
     Verify {
@@ -369,6 +372,7 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         Command::Certify { run, networks, random, out, threads, solver } => {
             certify::run(&run, &networks, random, &out, threads, solver.map(Backend::from))
         }
+        Command::Export(export) => export.run(),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),

@@ -17,7 +17,7 @@ use crate::mesh::{ShellMesh, SolidMesh, WallSettings, wall_surfaces};
 use crate::model::PartModel;
 use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
-use crate::surface::SignedDistance;
+use crate::surface::{SignedDistance, TriangleMesh};
 
 /// How a wall becomes tetrahedra, and what its answers say of the shell's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -122,6 +122,11 @@ impl SolidSection {
     }
 }
 
+/// The middle of the wall of a `shell` of `thickness` (mm), as its solid has it.
+pub(super) fn middle(shell: &PartModel, thickness: f64) -> TriangleMesh {
+    shell.rest_surface((FACET * thickness).max(LEAST_FACET * shell.rest_size().amax()))
+}
+
 /// A wall in tetrahedra.
 pub(super) struct SolidPart {
     pub mesh: SolidMesh,
@@ -178,7 +183,7 @@ impl SolidPart {
             Some(MesherName::Gmsh) => &[&hxt, &delaunay],
         };
         let size = shell.rest_size();
-        let middle = shell.rest_surface((FACET * thickness).max(LEAST_FACET * size.amax()));
+        let middle = middle(shell, thickness);
         let finest = LEAST_SHARE * section.edge;
         let cubes = size.add_scalar(2.0 * thickness).product() / finest.powi(3);
         ensure!(

@@ -49,7 +49,7 @@ impl Outcome {
             Self::Rejected(rejected) => {
                 let graded = rejected.violation / (1.0 + rejected.violation);
                 match (rejected.room, rejected.reason.as_str()) {
-                    (Room::Solve | Room::Fitness, _) => {
+                    (Room::Solve | Room::Fitness | Room::Printing, _) => {
                         rejected.violation.clamp(f64::MIN_POSITIVE, 1.0)
                     }
                     (Room::Mesh | Room::Model, _) => 1.0 + graded,

@@ -15,6 +15,7 @@ pub mod msh;
 mod raw_solid;
 pub mod stl;
 pub mod tetgen;
+pub mod three_mf;
 pub mod toml_file;
 pub mod vtu;
 pub mod vtu_solid;

@@ -22,6 +22,8 @@ pub enum Room {
     Solve,
     /// The objectives.
     Fitness,
+    /// The printed part.
+    Printing,
 }
 
 /// Why a design failed, and where. Evolution treats it as data (a constraint violation).

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod evolve;
+mod export;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;

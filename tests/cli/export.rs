@@ -1,0 +1,94 @@
+//! `export`: files for a printer, and what is said of them.
+
+use super::workshop::Workshop;
+
+/// A workshop with the folder `run` of a search that found the published seed, by hand.
+fn with_run() -> Workshop {
+    let workshop = Workshop::new();
+    std::fs::create_dir_all(workshop.path("run/front/g001-002")).unwrap();
+    workshop.write("run/front/g001-002/genome.toml", workshop.read("network.toml"));
+    workshop.write("run/run.toml", "[mesh]\nedge = 4.0\n");
+    workshop
+}
+
+/// The volume that the triangles of a binary STL enclose, mm^3, from the file's bytes alone.
+fn enclosed(stl: &[u8]) -> f64 {
+    let number = |bytes: &[u8]| f64::from(f32::from_le_bytes(bytes.try_into().unwrap()));
+    let below = |triangle: &[u8]| {
+        let x: Vec<f64> = triangle[12..48].chunks_exact(4).map(number).collect();
+        let cross =
+            [x[4] * x[8] - x[5] * x[7], x[5] * x[6] - x[3] * x[8], x[3] * x[7] - x[4] * x[6]];
+        (x[0] * cross[0] + x[1] * cross[1] + x[2] * cross[2]) / 6.0
+    };
+    stl[84..].chunks_exact(50).map(below).sum()
+}
+
+#[test]
+fn a_design_is_exported_with_each_inlet() {
+    let workshop = with_run();
+    let export = |inlet: &str| {
+        let arguments = ["export", "run", "g001-002", "--out", inlet, "--inlet", inlet];
+        let words = workshop.succeed(&[&arguments[..], &["--edge", "2"]].concat());
+        assert!(words.contains("g001-002 in ninjaflex-c2s") && words.contains("best"), "{words}");
+        let report = workshop.json(&format!("{inlet}/printability.json"));
+        let stl = std::fs::read(workshop.path(inlet).join("part.stl")).unwrap();
+        assert_eq!(stl.len() as u64, 84 + 50 * report["triangles"].as_u64().unwrap());
+        let volume = report["volume_mm3"].as_f64().unwrap();
+        // Coordinates of 60 mm in 32 bits.
+        assert!((enclosed(&stl) / volume - 1.0).abs() < 1e-5, "{volume}");
+        assert_eq!(report["airtight"], true);
+        assert_eq!(report["chamber_reached"], inlet != "none");
+        (volume, report)
+    };
+    let (whole, report) = export("none");
+    let warnings = report["warnings"].as_array().unwrap();
+    assert!(warnings.iter().any(|w| w.as_str().unwrap().contains("no inlet")), "{warnings:?}");
+    // A bore of 3 mm through 1.6 mm, in a base that ripples by hundredths of a millimetre.
+    let bore = 1.5 * 1.5 * std::f64::consts::PI * 1.6;
+    assert!(((whole - export("hole").0) / bore - 1.0).abs() < 0.05, "{whole}");
+    let (barbed, report) = export("barb");
+    assert!(barbed > whole);
+    let height = report["size_mm"][2].as_f64().unwrap();
+    // The box, a wall, and the barb of 8 mm; its middle lies at both ends of the box.
+    assert!((height - (62.8 + 1.6 + 8.0)).abs() < 0.1, "{height}");
+
+    let again = ["export", "run", "g001-002", "--out", "again", "--inlet", "barb", "--edge", "2"];
+    let printed = workshop.succeed(&[&again[..], &["--json"]].concat());
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&printed).unwrap(), report);
+    let file = |name: &str| std::fs::read(workshop.path(name)).unwrap();
+    assert!(file("barb/part.3mf") == file("again/part.3mf"), "a 3MF has other bytes");
+    assert!(file("barb/part.stl") == file("again/part.stl"), "an STL has other bytes");
+}
+
+#[test]
+fn what_cannot_be_exported_is_refused_in_one_line() {
+    let workshop = with_run();
+    workshop.write("run.toml", "[mesh]\nedge = 4.0\n");
+    let network = ["export", "network.toml", "--run", "run.toml", "--out", "out", "--edge", "2"];
+    let wide = [&network[..], &["--inlet-diameter", "19"]].concat();
+    workshop.refuse(&wide, 1, &["network: Printing: base_too_small", "the inlet wants 10.0 mm"]);
+    let thin = [&network[..], &["--inlet", "barb", "--tube", "4"]].concat();
+    workshop.refuse(&thin, 1, &["--tube is 4.0", "at least 4.6 mm"]);
+    for (flag, value, words) in [
+        ("--inlet-diameter", "-3", "--inlet-diameter is -3.0"),
+        ("--edge", "0", "--edge is 0.0"),
+        ("--voxel", "1", "--voxel, which is to find leaks of the wall, is 1.0"),
+        ("--density", "nan", "--density is NaN"),
+    ] {
+        let network = ["export", "network.toml", "--run", "run.toml", "--out", "out"];
+        workshop.refuse(&[&network[..], &[flag, value]].concat(), 1, &[words]);
+    }
+    for (arguments, code, words) in [
+        (&["run", "g001-003"][..], 1, "run has no design g001-003 on its front"),
+        (&["run", "../run"], 1, "`../run` does not name an individual"),
+        (&["run"], 2, "<ID>"),
+        (&["run", "g001-002", "--run", "run.toml"], 2, "cannot be used with"),
+        (&["run", "g001-002", "--inlet", "pipe"], 2, "none, hole, barb"),
+        (&["nowhere", "g001-002"], 1, "there is no folder nowhere"),
+    ] {
+        let all = [&["export"], arguments, &["--out", "out"]].concat();
+        workshop.refuse(&all, code, &[words]);
+    }
+    std::fs::create_dir(workshop.path("taken")).unwrap();
+    workshop.refuse(&["export", "run", "g001-002", "--out", "taken"], 1, &["taken exists"]);
+}
