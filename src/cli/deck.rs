@@ -47,6 +47,8 @@ pub(super) struct Choices {
     pub edge: Option<f64>,
     /// The largest pressure, MPa.
     pub pressure: Option<f64>,
+    /// In how many equal parts of it an answer is wanted.
+    pub samples: Option<usize>,
     pub solver: Option<Backend>,
 }
 
@@ -110,6 +112,9 @@ pub(super) struct NodeRow {
     pub z: f64,
 }
 
+/// Each is a step of CalculiX's of some thirty iterations.
+const MOST_SAMPLES: usize = 1000;
+
 /// What is written and walked.
 struct Subject {
     design: String,
@@ -139,11 +144,19 @@ pub(super) fn run(
     if let Some(pressure) = choices.pressure {
         within("--pressure", pressure.abs(), 1e-9, 1e6)?;
     }
+    let samples = choices.samples.unwrap_or(1);
+    ensure!(
+        (1..=MOST_SAMPLES).contains(&samples),
+        "--samples is {samples}, but it must lie between 1 and {MOST_SAMPLES}"
+    );
     let named = || source.display().to_string();
-    let subject = match id {
+    let mut subject = match id {
         Some(id) => of_run(source, id, choices)?,
         None => of_scene(source, choices).with_context(named)?,
     };
+    let LoadSettings { pressure, path, .. } = &mut subject.load;
+    *pressure = choices.pressure.unwrap_or(*pressure);
+    path.steps = choices.samples.unwrap_or(path.steps);
     subject.write(out).with_context(named)
 }
 
@@ -162,7 +175,6 @@ fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Result<Subject>
     let was_incompressible = settings.material.poisson_ratio() == 0.5;
     let material = compressible(&settings.material, choices.poisson_ratio)?;
     settings.material = Material::Compressible(material.clone());
-    settings.load.pressure = choices.pressure.unwrap_or(settings.load.pressure);
     let network = Genome::try_from(record.genome)?.decode();
     let shell = shell_of_network(&network, &settings).map_err(|rejected| anyhow!("{rejected}"))?;
     let section = with_edge(run.solid.unwrap_or_default(), choices)?;
@@ -216,8 +228,6 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
             "[part] has no base to be clamped at; decks want a network, an STL file or tetrahedra"
         ),
     };
-    let mut load = scene.load_settings();
-    load.pressure = choices.pressure.unwrap_or(load.pressure);
     let name =
         path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     Ok(Subject {
@@ -228,7 +238,7 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
         clamp_top,
         material,
         was_incompressible: given.poisson_ratio() == 0.5,
-        load,
+        load: scene.load_settings(),
         backend: scene.solver.backend,
         linear: scene.solver.linear,
     })

@@ -159,6 +159,9 @@ enum Command {
         /// The largest pressure, MPa, instead of the file's.
         #[arg(long, allow_negative_numbers = true)]
         pressure: Option<f64>,
+        /// In how many equal parts of the pressure answers are compared, instead of the file's steps.
+        #[arg(long)]
+        samples: Option<usize>,
         /// The solver, instead of the file's.
         #[arg(long)]
         solver: Option<SolverName>,
@@ -367,9 +370,9 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             certify::run(&run, &networks, random, &out, threads, solver.map(Backend::from))
         }
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
-        Command::Deck { source, id, out, poisson_ratio, edge, pressure, solver } => {
+        Command::Deck { source, id, out, poisson_ratio, edge, pressure, samples, solver } => {
             let solver = solver.map(Backend::from);
-            let choices = deck::Choices { poisson_ratio, edge, pressure, solver };
+            let choices = deck::Choices { poisson_ratio, edge, pressure, samples, solver };
             deck::run(&source, id.as_deref(), &out, &choices)
         }
         Command::Compare { folder, json } => compare::run(&folder, json),

@@ -31,7 +31,7 @@ pub struct SolidCase<'a> {
 }
 
 /// Corners of the faces of a tetrahedron, seen from outside counter-clockwise about its first, second, ... face as Abaqus numbers them.
-pub const TET_FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+const TET_FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
 impl SolidCase<'_> {
     /// The cells on the chamber by the number of their face there: each cell from 0, ascending.
