@@ -2,7 +2,9 @@
 
 mod certify;
 mod closed_part;
+mod compare;
 mod contact_rows;
+mod deck;
 mod design_folder;
 mod doctor;
 mod evaluations;
@@ -146,6 +148,42 @@ enum Command {
     },
     /// Write a design for a printer, with an air inlet, and report whether it can be printed.
     Export(export::Export),
+    /// Write a solid wall under pressure as input of CalculiX and FEBio, with our own answer to the same case.
+    ///
+    /// All solve one law, with a bulk modulus, and one mesh of quadratic tetrahedra. Shells are not written: CalculiX expands its
+    /// shells to solids.
+    Deck {
+        /// A run folder, or a scene file of a network, an STL file or tetrahedra.
+        source: PathBuf,
+        /// Of a run folder: the individual, as g003-017.
+        id: Option<String>,
+        /// Folder for the decks; must not exist.
+        #[arg(long)]
+        out: PathBuf,
+        /// Of an incompressible rubber, which CalculiX has no cells for [default: 0.49].
+        #[arg(long, allow_negative_numbers = true)]
+        poisson_ratio: Option<f64>,
+        /// Edge length on the wall's faces, mm, instead of the file's.
+        #[arg(long, allow_negative_numbers = true)]
+        edge: Option<f64>,
+        /// The largest pressure, MPa, instead of the file's.
+        #[arg(long, allow_negative_numbers = true)]
+        pressure: Option<f64>,
+        /// In how many equal parts of the pressure answers are compared, instead of the file's steps.
+        #[arg(long)]
+        samples: Option<usize>,
+        /// The solver, instead of the file's.
+        #[arg(long)]
+        solver: Option<SolverName>,
+    },
+    /// Compare what CalculiX answered to a deck with our own answer; the exit code is 1 where its answer is missing or ends early.
+    Compare {
+        /// The folder of a deck, in which `ccx solid` has run.
+        folder: PathBuf,
+        /// Print the comparison as JSON instead of words.
+        #[arg(long)]
+        json: bool,
+    },
     /// Compare with published numbers; the exit code is 1 when one is too far.
     #[command(arg_required_else_help = true)]
     Verify {
@@ -374,6 +412,12 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         }
         Command::Export(export) => export.run(),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
+        Command::Deck { source, id, out, poisson_ratio, edge, pressure, samples, solver } => {
+            let solver = solver.map(Backend::from);
+            let choices = deck::Choices { poisson_ratio, edge, pressure, samples, solver };
+            deck::run(&source, id.as_deref(), &out, &choices)
+        }
+        Command::Compare { folder, json } => compare::run(&folder, json),
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),
         Command::Verify { what: Verified::Stability { list: true, .. } } => {

@@ -176,7 +176,7 @@ fn walk(scene: &SceneFile, model: &mut PartModel) -> anyhow::Result<(Walked, Sol
 }
 
 /// Files where they are.
-struct OnDisk;
+pub(super) struct OnDisk;
 
 impl PartFiles for OnDisk {
     fn network(&self, path: &Path) -> anyhow::Result<Network> {

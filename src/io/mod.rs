@@ -4,15 +4,18 @@
 //! Files are written whole or not at all ([`atomic::write`]); only JSON-lines logs grow in place.
 
 pub mod atomic;
+pub mod calculix;
 pub mod checkpoint;
 pub mod child;
 pub mod csv;
 mod error;
+pub mod febio;
 pub mod gmsh;
 pub mod jsonl;
 mod mesher;
 pub mod msh;
 mod raw_solid;
+mod solid_case;
 pub mod stl;
 pub mod tetgen;
 pub mod three_mf;
@@ -22,3 +25,4 @@ pub mod vtu_solid;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};
+pub use solid_case::SolidCase;

@@ -1,6 +1,7 @@
 //! The program as a user runs it, one file each: its commands, and what it answers to wrong input.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod decks;
 mod evolve;
 mod export;
 mod mesh_and_report;

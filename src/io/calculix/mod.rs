@@ -1,0 +1,165 @@
+//! CalculiX: the input deck of a load case, and what its solver `ccx` answers.
+//!
+//! ```text
+//! C3D10        corners 1 2 3 4, midpoints 1-2 2-3 3-1 1-4 2-4 3-4: our order
+//! faces        1: 1-2-3   2: 1-4-2   3: 2-4-3   4: 3-4-1
+//! P1 .. P4     pressure on that face, positive into the cell, per deformed area and along the deformed normal
+//! ```
+//!
+//! Its cells have displacements alone, at four points of quadrature; ours have pressures of their own. Both have the same energy:
+//! `U = sum_i (J - 1)^(2i) / D_i` with `D_1 = 2 / kappa`. The higher terms, which ours has not, are given coefficients at which they
+//! vanish: a coefficient of 0 would be replaced by `(0.1 / mu)^i`.
+//!
+//! Each sample of the pressure is a step of its own, over which the pressure rises from the step before.
+//!
+//! Source: Dhondt, CalculiX CrunchiX user's manual 2.20, "Ten-node tetrahedral element", "*HYPERELASTIC", "*DLOAD", "*CONTROLS".
+
+mod answer;
+
+use std::fmt::Write;
+
+pub use answer::{NodalAnswer, TipAnswer, read_nodes, read_tip};
+
+use super::solid_case::{SolidCase, number};
+use crate::model::material::Rubber;
+
+/// A law of Ogden's with more terms than CalculiX has coefficients for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("CalculiX knows Ogden's law with up to {MOST_TERMS} terms, not with {0}")]
+pub struct TooManyTerms(pub usize);
+
+const MOST_TERMS: usize = 3;
+/// Of the higher powers of a change of volume: their share is lost in rounding.
+const VANISHING: f64 = 1e20;
+/// Items in a line of a set.
+const IN_LINE: usize = 8;
+/// Iterations stop at residuals of this share of the mean force and corrections of this share of the increment. The tangent lacks the
+/// pressure's part, so that each iteration leaves up to four fifths of the error: the default correction, 1e-2, can leave a per cent open.
+const TOLERANCES: [f64; 2] = [1e-5, 1e-3];
+/// For the same reason iterations may be many: an increment is cut where residuals grow after 8, not where they shrink slowly.
+const PATIENCE: &str = "8, 100, 100, 200, 100, 8, , 10\n0.25, 0.5, 0.75, 0.85, , , 1.5,";
+/// The smallest increment, as a share of the whole pressure.
+const LEAST_INCREMENT: f64 = 1e-6;
+
+/// The input deck of `case`, for `ccx`.
+///
+/// # Errors
+/// [`TooManyTerms`] where CalculiX has no such law.
+pub fn deck(case: &SolidCase<'_>) -> Result<String, TooManyTerms> {
+    let SolidCase { title, mesh, clamp, tip, pressure, .. } = *case;
+    let mut text = format!(
+        "** {title}\n** mm, N, MPa; run with: ccx solid\n*HEADING\n{title}\n*NODE, NSET=NALL\n"
+    );
+    let mut line = |words: String| writeln!(text, "{words}").expect("a text grows");
+    for (x, node) in mesh.positions.iter().zip(1..) {
+        line(format!("{node},{},{},{}", number(x.x), number(x.y), number(x.z)));
+    }
+    line("*ELEMENT, TYPE=C3D10, ELSET=WALL".to_owned());
+    for (nodes, cell) in mesh.tetrahedra.iter().zip(1..) {
+        line(format!("{cell},{}", list(nodes)));
+    }
+    for (name, nodes) in [("CLAMP", clamp), ("TIP", tip)] {
+        line(format!("*NSET, NSET={name}"));
+        nodes.chunks(IN_LINE).for_each(|nodes| line(list(nodes)));
+    }
+    let cells = case.chamber_cells();
+    let faces = || (1..).zip(&cells).filter(|(_, cells)| !cells.is_empty());
+    for (face, cells) in faces() {
+        line(format!("*ELSET, ELSET=CHAMBER_{face}"));
+        cells.chunks(IN_LINE).for_each(|cells| line(list(cells)));
+    }
+    line("*SURFACE, NAME=CHAMBER, TYPE=ELEMENT".to_owned());
+    faces().for_each(|(face, _)| line(format!("CHAMBER_{face}, S{face}")));
+    line("*BOUNDARY\nCLAMP, 1, 3\n*MATERIAL, NAME=RUBBER".to_owned());
+    line(hyperelastic(case.law, case.bulk_modulus)?);
+    line("*SOLID SECTION, ELSET=WALL, MATERIAL=RUBBER".to_owned());
+    let [force, correction] = TOLERANCES;
+    let part = number(1.0 / case.samples as f64);
+    for (sample, time) in (1..).zip(case.times()) {
+        line(format!(
+            "*STEP, NLGEOM, INC=100000\n*STATIC\n{part}, {part}, {LEAST_INCREMENT:e}, {part}\n\
+             *CONTROLS, PARAMETERS=TIME INCREMENTATION\n{PATIENCE}\n\
+             *CONTROLS, PARAMETERS=FIELD\n{force:e}, {correction:e}\n*DLOAD"
+        ));
+        let now = number(time * pressure);
+        faces().for_each(|(face, _)| line(format!("CHAMBER_{face}, P{face}, {now}")));
+        line("*NODE PRINT, NSET=TIP, FREQUENCY=100000\nU".to_owned());
+        if sample == case.samples {
+            line("*NODE FILE, FREQUENCY=100000\nU".to_owned());
+        }
+        line("*END STEP".to_owned());
+    }
+    Ok(text)
+}
+
+/// Numbers that count from 0, as numbers that count from 1.
+fn list(items: &[u32]) -> String {
+    let items: Vec<String> = items.iter().map(|item| (item + 1).to_string()).collect();
+    items.join(",")
+}
+
+/// The card of a law and its numbers: `2 mu / alpha^2` is Ogden's factor there as here.
+fn hyperelastic(law: &Rubber, bulk_modulus: f64) -> Result<String, TooManyTerms> {
+    let d = 2.0 / bulk_modulus;
+    let (name, numbers) = match law {
+        Rubber::NeoHookean(law) => ("NEO HOOKE".to_owned(), vec![0.5 * law.mu, d]),
+        Rubber::MooneyRivlin(law) => ("MOONEY-RIVLIN".to_owned(), vec![law.c1, law.c2, d]),
+        Rubber::Yeoh(law) => {
+            let [c1, c2, c3] = law.c;
+            ("YEOH".to_owned(), vec![c1, c2, c3, d, VANISHING, VANISHING])
+        }
+        Rubber::Ogden(law) => {
+            let terms: Vec<_> = law.terms().collect();
+            if terms.len() > MOST_TERMS {
+                return Err(TooManyTerms(terms.len()));
+            }
+            let shapes = terms.iter().flat_map(|term| [term.mu, term.alpha]);
+            let volumes = [d, VANISHING, VANISHING].into_iter().take(terms.len());
+            (format!("OGDEN, N={}", terms.len()), shapes.chain(volumes).collect())
+        }
+    };
+    let lines: Vec<String> = numbers
+        .chunks(IN_LINE)
+        .map(|numbers| numbers.iter().map(|&value| number(value)).collect::<Vec<_>>().join(","))
+        .collect();
+    Ok(format!("*HYPERELASTIC, {name}\n{}", lines.join("\n")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::material::{MooneyRivlin, NeoHookean, Ogden, OgdenTerm, Yeoh};
+
+    fn card(law: Rubber) -> Vec<String> {
+        let card = hyperelastic(&law, 8.0).unwrap();
+        card.lines().map(str::to_owned).collect()
+    }
+
+    fn numbers(line: &str) -> Vec<f64> {
+        // The program reads 20 characters of each.
+        assert!(line.split(',').all(|word| word.len() <= 20), "{line}");
+        line.split(',').map(|word| word.parse().unwrap()).collect()
+    }
+
+    /// The order of coefficients as the manual lists it; eight in a line.
+    #[test]
+    fn laws_have_their_cards() {
+        let neo_hookean = card(Rubber::NeoHookean(NeoHookean { mu: 3.0 }));
+        assert_eq!(neo_hookean[0], "*HYPERELASTIC, NEO HOOKE");
+        assert_eq!(numbers(&neo_hookean[1]), [1.5, 0.25]);
+        let mooney_rivlin = card(Rubber::MooneyRivlin(MooneyRivlin { c1: 0.5, c2: -0.125 }));
+        assert_eq!(numbers(&mooney_rivlin[1]), [0.5, -0.125, 0.25]);
+        let yeoh = card(Rubber::Yeoh(Yeoh { c: [1.0, -0.5, 0.25] }));
+        assert_eq!(numbers(&yeoh[1]), [1.0, -0.5, 0.25, 0.25, 1e20, 1e20]);
+        let terms: Vec<_> =
+            (1..=4).map(|k| OgdenTerm { mu: f64::from(k), alpha: -f64::from(k) }).collect();
+        let ogden = card(Rubber::Ogden(Ogden::new(&terms[..3])));
+        assert_eq!((ogden.len(), ogden[0].as_str()), (3, "*HYPERELASTIC, OGDEN, N=3"));
+        assert_eq!(numbers(&ogden[1]), [1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 0.25, 1e20]);
+        assert_eq!(numbers(&ogden[2]), [1e20]);
+        let one = card(Rubber::Ogden(Ogden::new(&terms[..1])));
+        assert_eq!(numbers(&one[1]), [1.0, -1.0, 0.25]);
+        let four = hyperelastic(&Rubber::Ogden(Ogden::new(&terms)), 8.0);
+        assert_eq!(four, Err(TooManyTerms(4)));
+    }
+}
