@@ -29,7 +29,8 @@ pub struct Compressible {
 const LAST_STEP: f64 = 1e-8;
 /// A step changes the volume by no more than this power of e, for the powers of stretches may overflow.
 const LONGEST_STEP: f64 = 1.0;
-/// The safeguard bisects after this many steps; the mean is 4 at strains of 0.2, the most 14 at stretches of 1/3 to 3.
+/// The safeguard brackets and bisects after this many steps; the mean is 4 at strains of 0.2, the most 14 at stretches of 1/3 to 3.
+/// A law that stiffens exponentially takes hundreds where its energy is beyond all use.
 const NEWTON_STEPS: usize = 40;
 /// Bisection takes some 60 steps from a bracket of 1 to rounding.
 const MOST_STEPS: usize = 120;
@@ -109,11 +110,12 @@ impl Compressible {
             let next = s + newton.clamp(-LONGEST_STEP, LONGEST_STEP);
             let is_within = lower < next && next < upper;
             let is_bracketed = upper - lower < f64::INFINITY;
-            let next = match (is_within, is_bracketed) {
-                (true, false) => next,
-                (true, true) if step < NEWTON_STEPS => next,
-                (_, true) => 0.5 * (lower + upper),
-                (false, false) => s - LONGEST_STEP.copysign(force),
+            let next = if is_within && step < NEWTON_STEPS {
+                next
+            } else if is_bracketed {
+                0.5 * (lower + upper)
+            } else {
+                s - LONGEST_STEP.copysign(force)
             };
             state = self.state(t, j, next);
         }

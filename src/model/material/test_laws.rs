@@ -229,6 +229,20 @@ fn local_solve_leaves_no_normal_stress() {
     }
 }
 
+/// Newton's steps on the logarithm of the volume would be hundreds; rounding of a stretch grows by the exponent.
+#[test]
+fn local_solve_of_steep_powers_ends() {
+    let rubber = Rubber::Ogden(Ogden::new(&[OgdenTerm { mu: 1.0, alpha: 100.0 }]));
+    for (bulk_over_shear, l) in [50.0, 1e6].into_iter().flat_map(|k| [0.125, 8.0].map(|l| (k, l))) {
+        let law = compressible(&rubber, bulk_over_shear);
+        let (t, j) = invariants([l, l]);
+        let l3 = Material::Compressible(law.clone()).thickness_stretch(t, j).value;
+        let across = |l3| energy_in_space(&law, [num_dual::Dual2_64::from(l), l.into(), l3]);
+        let (_, force, stiffness) = second_derivative(across, l3);
+        assert!((force / stiffness / l3).abs() < 1e-11, "{bulk_over_shear} {l} {l3}");
+    }
+}
+
 /// The condensed energy's slope is the partial slope in space: the third stretch does no work.
 #[test]
 fn condensed_stress_is_that_in_space() {

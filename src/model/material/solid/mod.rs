@@ -5,7 +5,7 @@
 //! P       = d psi_iso / dF               A = d2 psi_iso / dF dF
 //! ```
 //!
-//! Only `psi_iso` is made here, and it is the law of shape of the shell's [`Compressible`]: shell and solid are the
+//! Only `psi_iso` is made here, and it is the law of shape of the shell's [`super::Compressible`]: shell and solid are the
 //! same rubber. `U = kappa/2 (J - 1)^2`, or the constraint `J = 1` where the rubber is incompressible, belongs to the
 //! element, whose pressures carry it.
 //!
