@@ -7,8 +7,8 @@ use std::path::Path;
 
 /// The rooms in the one direction that data moves; a room may name itself and those before it.
 const ORDER: [&str; 11] = [
-    "genome", "field", "surface", "mesh", "model", "solve", "fitness", "batch", "evolve", "printing",
-    "report",
+    "genome", "field", "surface", "mesh", "model", "solve", "fitness", "batch", "evolve",
+    "printing", "report",
 ];
 /// Folders outside the order: `math` is the floor, `io` and `cli` are edges.
 const OTHERS: [&str; 3] = ["math", "io", "cli"];
