@@ -332,7 +332,6 @@ fn box_of_tetrahedra() -> String {
 /// differs is their displacements alone against our pressures between, and corrections of 0.1 % at which CalculiX stops. A factor of 2
 /// in any coefficient changes the tip by ten times the tolerance.
 #[test]
-#[allow(clippy::print_stdout, reason = "a test that was skipped says so")]
 #[expect(clippy::print_stderr, reason = "a skipped test says so")]
 fn calculix_agrees() {
     if Command::new("ccx").arg("-v").stdout(Stdio::null()).status().is_err() {
