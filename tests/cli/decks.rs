@@ -329,8 +329,9 @@ fn box_of_tetrahedra() -> String {
 }
 
 /// CalculiX and we have the same law and mesh, and cells of the same order that do not lock at this Poisson's ratio of 0.3: what
-/// differs is their displacements alone against our pressures between, and corrections of 0.1 % at which CalculiX stops. A factor of 2
-/// in any coefficient changes the tip by ten times the tolerance.
+/// differs is their displacements alone against our pressures between. Where nothing else does, in the linear range, that is 1.4 % of
+/// the tip on these cubes and 0.5 % on cubes half as long; of single nodes 11 % and 5 %, at the chamber's edges, where stress is
+/// singular. A factor of 2 in a coefficient changes the tip by half.
 #[test]
 #[expect(clippy::print_stderr, reason = "a skipped test says so")]
 fn calculix_agrees() {
@@ -375,9 +376,9 @@ fn calculix_agrees() {
         let found: serde_json::Value = serde_json::from_str(&said).unwrap();
         assert_eq!(found["samples"].as_array().unwrap().len(), 2);
         let difference = found["largest_difference"].as_f64().unwrap();
-        assert!(difference < 0.01, "{name}: {said}");
+        assert!(difference < 0.03, "{name}: {said}");
         let nodes = found["nodes"]["share"].as_f64().unwrap();
-        assert!(nodes < 0.02, "{name}: {said}");
+        assert!(nodes < 0.2, "{name}: {said}");
     }
 }
 
