@@ -358,6 +358,7 @@ impl Row {
             figure_of_merit: self.figure_of_merit_solid?,
             max_force: self.max_force_solid?,
             flags: self.flags.clone(),
+            further: Vec::new(),
         })
     }
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 
 use super::design_folder::{write_path, write_surface};
 use super::evaluations::{Evaluator, Generation, Unfinished, serve_candidates};
@@ -13,16 +14,15 @@ use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use super::solid_part::SolidSection;
-use super::{certify, say, warn};
+use super::certify::Row;
+use super::{certify, narrate, say, warn};
 use crate::batch::{Executor, Farm, Next, Threads};
 use crate::evolve::{Evaluation, Individual, Nsga2, hypervolume};
-use crate::fitness::{CandidateSettings, Outcome, evaluate_network};
+use crate::fitness::{CandidateSettings, FurtherObjective, Outcome, evaluate_network};
 use crate::genome::Genome;
 use crate::io::{atomic, csv};
+use crate::report::{FrontPoint, OutcomeCount};
 use crate::solve::{Backend, Job};
-
-/// Both objectives are made large: the search minimises their negatives, which this reference bounds.
-const REFERENCE: [f64; 2] = [0.0, 0.0];
 
 /// How a search is run.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,8 @@ pub(super) struct Manner {
     pub solver: Option<Backend>,
     /// After which no candidate is begun.
     pub time_limit: Option<Duration>,
+    /// Whether a program reads the answer.
+    pub json: bool,
     pub job: Job,
 }
 
@@ -46,7 +48,7 @@ pub(super) enum Ending {
 
 /// Runs the search of the run file at `path` in the folder `out`; the processes of the job but the first only evaluate.
 pub(super) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<Ending> {
-    let Manner { resume, solver, time_limit, job, .. } = *manner;
+    let Manner { solver, time_limit, json, job, .. } = *manner;
     let deadline = time_limit.map(|limit| Instant::now() + limit);
     let run = RunFile::read(path, solver)?;
     ensure!(
@@ -65,7 +67,7 @@ pub(super) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<En
         Some(farm) => farm,
         None => &threads,
     };
-    let mut search = Search::begin(&run, out, resume)?;
+    let mut search = Search::begin(&run, out, *manner)?;
     while !search.nsga2.is_finished() {
         match search.advance(evaluator, deadline) {
             Ok(()) => {}
@@ -75,31 +77,54 @@ pub(super) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<En
     }
     let table = search.folder.write_results(&search.nsga2, &search.history, &search.records)?;
     search.write_front_members(&threads)?;
-    say(&table);
+    manner.tell(&table);
     if let Some(section) = &run.solid {
         if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             return Ok(search.out_of_time());
         }
         search.certify_front(section, &threads)?;
     }
-    say(&search.rejection_summary());
-    say(&format!("figures, front and designs are in {}", out.display()));
+    if json {
+        say(&serde_json::to_string_pretty(&search.summary()?)?);
+    }
+    manner.tell(&search.rejection_summary());
+    manner.tell(&format!("figures, front and designs are in {}", out.display()));
     Ok(Ending::Finished)
 }
 
 impl Manner {
+    /// Tells the user how the search goes.
+    fn tell(&self, text: &str) {
+        if self.json { narrate(text) } else { say(text) }
+    }
+
     fn threads(&self, run: &RunFile) -> usize {
         if run.solver.backend == Backend::Petsc && self.threads != 1 {
             // PETSc solves one system at a time in a process: more threads would only wait.
-            say("petsc evaluates one candidate at a time; native would use every core");
+            self.tell("petsc evaluates one candidate at a time; native would use every core");
             return 1;
         }
         if self.threads == 0 && self.job.ranks > 1 { 1 } else { self.threads }
     }
 }
 
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary<'a> {
+    folder: &'a Path,
+    candidates: usize,
+    core_seconds: f64,
+    outcomes: Vec<OutcomeCount>,
+    hypervolume: f64,
+    front: Vec<FrontPoint>,
+    /// Where the front was walked again as solids.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    solid_front: Vec<Row>,
+}
+
 /// A run between two generations.
 struct Search {
+    manner: Manner,
     settings: CandidateSettings,
     nsga2: Nsga2,
     history: Vec<HistoryRow>,
@@ -108,12 +133,14 @@ struct Search {
 }
 
 impl Search {
-    fn begin(run: &RunFile, out: &Path, resume: bool) -> anyhow::Result<Self> {
+    fn begin(run: &RunFile, out: &Path, manner: Manner) -> anyhow::Result<Self> {
         let settings = run.candidate_settings()?;
-        if !resume {
-            let nsga2 = Nsga2::new(run.evolution.clone(), run.gene_bounds()?, REFERENCE.len())?;
+        let objectives = reference(&settings.fitness.further_objectives).len();
+        if !manner.resume {
+            let nsga2 = Nsga2::new(run.evolution.clone(), run.gene_bounds()?, objectives)?;
             let folder = RunFolder::create(out, run)?;
-            return Ok(Self { settings, nsga2, history: Vec::new(), records: Vec::new(), folder });
+            let (history, records) = (Vec::new(), Vec::new());
+            return Ok(Self { manner, settings, nsga2, history, records, folder });
         }
         let folder = RunFolder::open(out)?;
         folder.check_same(run)?;
@@ -127,18 +154,17 @@ impl Search {
                 state.search.settings.generations = run.evolution.generations;
                 (Nsga2::resume(state.search)?, state.history)
             }
-            None => (
-                Nsga2::new(run.evolution.clone(), run.gene_bounds()?, REFERENCE.len())?,
-                Vec::new(),
-            ),
+            None => {
+                (Nsga2::new(run.evolution.clone(), run.gene_bounds()?, objectives)?, Vec::new())
+            }
         };
         let records = folder.records_to_resume(nsga2.generation())?;
-        say(&format!(
+        manner.tell(&format!(
             "resumed after generation {} of {}",
             nsga2.generation(),
             run.evolution.generations
         ));
-        Ok(Self { settings, nsga2, history, records, folder })
+        Ok(Self { manner, settings, nsga2, history, records, folder })
     }
 
     fn advance(
@@ -157,7 +183,9 @@ impl Search {
             deadline,
         };
         let records = generation.evaluate(evaluator)?;
-        self.nsga2.tell(records.iter().map(evaluation).collect());
+        let further = &self.settings.fitness.further_objectives;
+        let evaluations = records.iter().map(|record| evaluation(record, further));
+        self.nsga2.tell(evaluations.collect::<anyhow::Result<_>>()?);
         self.folder.append(&records)?;
         self.history.push(self.history_row(&records));
         self.records.extend(records);
@@ -167,7 +195,7 @@ impl Search {
     }
 
     fn out_of_time(&self) -> Ending {
-        say(&format!(
+        self.manner.tell(&format!(
             "the time is over after {} of {} generations; what has ended is saved, and --resume goes on",
             self.nsga2.generation(),
             self.nsga2.settings().generations
@@ -177,24 +205,21 @@ impl Search {
 
     fn history_row(&self, records: &[Record]) -> HistoryRow {
         let front = self.nsga2.front();
-        let objectives: Vec<[f64; 2]> = front
-            .iter()
-            .map(|individual| {
-                [individual.evaluation.objectives[0], individual.evaluation.objectives[1]]
-            })
-            .collect();
+        let objectives: Vec<&[f64]> =
+            front.iter().map(|individual| &individual.evaluation.objectives[..]).collect();
         let best = |k: usize| objectives.iter().map(|o| -o[k]).fold(0.0, f64::max);
+        let reference = reference(&self.settings.fitness.further_objectives);
         let row = HistoryRow {
             generation: self.nsga2.generation() - 1,
             evaluated: records.len(),
             feasible: records.iter().filter(|r| matches!(r.outcome, Outcome::Evaluated(_))).count(),
             front: front.len(),
-            hypervolume: hypervolume(&objectives, REFERENCE),
+            hypervolume: hypervolume(&objectives, &reference),
             best_bending: best(0),
             best_blocking: best(1),
             spread: self.nsga2.spread(),
         };
-        say(&format!(
+        self.manner.tell(&format!(
             "generation {:3} of {}: {:3} of {} feasible, {:2} on the front, best F_c {:.4}, best F_bf {:.5} N/kPa, hypervolume {:.4e}",
             row.generation + 1,
             self.nsga2.settings().generations,
@@ -255,16 +280,16 @@ impl Search {
     fn certify_front(&self, section: &SolidSection, executor: &Threads) -> anyhow::Result<()> {
         let front: Vec<_> = self.nsga2.front().iter().map(|individual| individual.id).collect();
         let folder = self.folder.file("solid");
-        say(&format!("walking the front of {} designs as solids", front.len()));
+        self.manner.tell(&format!("walking the front of {} designs as solids", front.len()));
         let solid =
             SolidFront::new(&front, &self.records, &self.settings, section, &folder, executor)?;
         let SolidFront { rows, of_front, front } = &solid;
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
         csv::write(&folder.join("certificates.csv"), rows)?;
         self.folder.write_solid_front(front, &self.nsga2, &self.records)?;
-        say(&certify::table(rows));
-        say(&certify::summary(rows, &section.fidelity));
-        say(&format!(
+        self.manner.tell(&certify::table(rows));
+        self.manner.tell(&certify::summary(rows, &section.fidelity));
+        self.manner.tell(&format!(
             "{of_front} designs of the front and {} promoted ones make a front of {} solids: front_solid.csv",
             rows.len() - of_front,
             front.len()
@@ -272,8 +297,24 @@ impl Search {
         Ok(())
     }
 
+    /// What a program reads of a search that is over.
+    fn summary(&self) -> anyhow::Result<Summary<'_>> {
+        Ok(Summary {
+            folder: self.folder.path(),
+            candidates: self.records.len(),
+            core_seconds: self.core_seconds(),
+            outcomes: outcome_counts(&self.records),
+            hypervolume: self.history.last().map_or(0.0, |row| row.hypervolume),
+            front: self.folder.front(&self.nsga2, &self.records)?,
+            solid_front: self.folder.solid_front()?,
+        })
+    }
+
+    fn core_seconds(&self) -> f64 {
+        self.records.iter().map(|record| record.cpu_seconds.total()).sum()
+    }
+
     fn rejection_summary(&self) -> String {
-        let seconds: f64 = self.records.iter().map(|record| record.cpu_seconds.total()).sum();
         let causes: Vec<String> = outcome_counts(&self.records)
             .into_iter()
             .filter(|count| count.rejected)
@@ -281,17 +322,34 @@ impl Search {
             .collect();
         let causes = if causes.is_empty() { "none".to_owned() } else { causes.join(", ") };
         format!(
-            "{} candidates in {seconds:.1} core-seconds; rejected: {causes}",
-            self.records.len()
+            "{} candidates in {:.1} core-seconds; rejected: {causes}",
+            self.records.len(),
+            self.core_seconds()
         )
     }
 }
 
-fn evaluation(record: &Record) -> Evaluation {
-    match &record.outcome {
-        Outcome::Evaluated(e) => Evaluation::feasible(vec![-e.bending, -e.blocking]),
-        rejected @ Outcome::Rejected(_) => Evaluation::infeasible(rejected.constraint_violation()),
-    }
+/// Bending and blocking are made large, so that the search minimises their negatives; then what the run asks besides.
+fn evaluation(record: &Record, further: &[FurtherObjective]) -> anyhow::Result<Evaluation> {
+    let evaluated = match &record.outcome {
+        Outcome::Evaluated(evaluated) => evaluated,
+        rejected @ Outcome::Rejected(_) => {
+            return Ok(Evaluation::infeasible(rejected.constraint_violation()));
+        }
+    };
+    let further = further.iter().map(|objective| {
+        let value = evaluated.further.get(objective.name);
+        let value = value.with_context(|| format!("{} has no {}", record.id, objective.name))?;
+        Ok(objective.minimized(*value))
+    });
+    let pair = [-evaluated.bending, -evaluated.blocking].map(Ok);
+    Ok(Evaluation::feasible(pair.into_iter().chain(further).collect::<anyhow::Result<_>>()?))
+}
+
+/// Where the hypervolume of a front with these objectives ends.
+fn reference(further: &[FurtherObjective]) -> Vec<f64> {
+    let further = further.iter().map(|objective| objective.minimized(objective.worst));
+    [0.0, 0.0].into_iter().chain(further).collect()
 }
 
 pub(super) fn progress_bar(

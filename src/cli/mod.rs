@@ -88,6 +88,9 @@ enum Command {
         /// The solver, instead of the run file's.
         #[arg(long)]
         solver: Option<SolverName>,
+        /// Print what was found as JSON when the search is over; its progress goes to the other stream.
+        #[arg(long)]
+        json: bool,
         /// Print a run file with all defaults and stop.
         #[arg(long)]
         print_defaults: bool,
@@ -395,10 +398,10 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             say(&scene_file::defaults());
             Ok(())
         }
-        Command::Evolve { run, out, resume, threads, time_limit, solver, .. } => {
+        Command::Evolve { run, out, resume, threads, time_limit, solver, json, .. } => {
             let (run, out) = (given(run), given(out));
             let solver = solver.map(Backend::from);
-            let manner = evolve::Manner { resume, threads, solver, time_limit, job };
+            let manner = evolve::Manner { resume, threads, solver, time_limit, json, job };
             return match evolve::run(&run, &out, &manner)? {
                 evolve::Ending::Finished => Ok(ExitCode::SUCCESS),
                 evolve::Ending::OutOfTime => Ok(ExitCode::from(OUT_OF_TIME)),
@@ -466,6 +469,12 @@ fn given(path: Option<PathBuf>) -> PathBuf {
 fn say(text: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
+}
+
+/// Prints `text` for whoever watches, where the answer itself is for a program.
+fn narrate(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{}", text.trim_end());
 }
 
 /// Prints one line about something wrong.

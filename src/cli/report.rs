@@ -10,6 +10,7 @@ use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, outcome_counts};
 use super::{say, warn};
 use crate::evolve::{Breeding, Crossover, Mutation, Nsga2, Nsga2Settings, Survival};
+use crate::fitness::{FurtherObjective, Sense};
 use crate::io::atomic;
 use crate::mesh::ShellElement;
 use crate::report::{FrontPoint, ReportPage, pdf, standing};
@@ -136,7 +137,7 @@ fn methods(run: &RunFile, provenance: &str) -> String {
          The chamber's pressure follows the wall and rises to {} MPa in {} samples; Newton's method stops at {:e} of the scale of \
          forces, steps are halved while work and stored energy differ by more than {:e}, and loss of stability is followed to the \
          next stable state. Bending is judged by the chord angle over the work to the power 1/{}, blocking by the force on a plane with the \
-         normal ({normal}), {} mm from the wall at rest, over the pressure. {} \
+         normal ({normal}), {} mm from the wall at rest, over the pressure. {}{} \
          Computed by {} {} (commit {}, {}, PETSc {}, solver {}).",
         run.mesh.edge,
         run.wall.thickness,
@@ -147,6 +148,7 @@ fn methods(run: &RunFile, provenance: &str) -> String {
         path.work_tolerance,
         run.fitness.exponent,
         run.fitness.plane_distance,
+        further(&run.fitness.further_objectives),
         operators(&run.evolution),
         known("program"),
         known("version"),
@@ -155,6 +157,22 @@ fn methods(run: &RunFile, provenance: &str) -> String {
         known("petsc"),
         backend,
     )
+}
+
+/// What was asked besides bending and blocking, as a sentence.
+fn further(objectives: &[FurtherObjective]) -> String {
+    let one = |objective: &FurtherObjective| {
+        let wanted = match objective.sense {
+            Sense::Largest => "large",
+            Sense::Least => "small",
+        };
+        format!("a {wanted} {} ({})", objective.name.replace('_', " "), objective.unit)
+    };
+    if objectives.is_empty() {
+        return String::new();
+    }
+    let asked: Vec<String> = objectives.iter().map(one).collect();
+    format!("Asked besides: {}. ", asked.join(", "))
 }
 
 /// How NSGA-II was run, in words.

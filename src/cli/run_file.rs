@@ -92,6 +92,7 @@ impl RunFile {
         within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
         check_distance("[fitness] plane_distance", self.fitness.plane_distance)?;
         check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
+        self.check_further_objectives()?;
         let height = self.design_box.sides().z;
         let clamped = self.wall.clamp_height * self.wall.thickness;
         ensure!(
@@ -99,6 +100,21 @@ impl RunFile {
             "[wall] clamp_height holds {clamped:.2} mm of a box of {height} mm, tip included; it must be smaller"
         );
         Ok(self)
+    }
+
+    fn check_further_objectives(&self) -> anyhow::Result<()> {
+        let further = &self.fitness.further_objectives;
+        let repeated = (1..further.len()).find(|&k| further[..k].contains(&further[k]));
+        ensure!(
+            repeated.is_none(),
+            "[fitness] further_objectives names one twice; name each once: {:?}",
+            further.iter().map(|objective| objective.name).collect::<Vec<_>>()
+        );
+        ensure!(
+            further.is_empty() || self.solid.is_none(),
+            "[solid] sorts its front by bending and blocking alone; leave out [fitness] further_objectives, or walk single designs with certify"
+        );
+        Ok(())
     }
 
     /// The bounds of all genes as evolution sees them.
@@ -116,7 +132,7 @@ impl RunFile {
             wall: self.wall,
             material: self.material.material()?,
             load: self.load,
-            fitness: self.fitness,
+            fitness: self.fitness.clone(),
             backend: self.solver.backend,
         })
     }

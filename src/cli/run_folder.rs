@@ -19,10 +19,10 @@ use super::design_folder::write_json;
 use super::provenance::Provenance;
 use super::run_file::RunFile;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
-use crate::fitness::{Outcome, StageSeconds, flags};
+use crate::fitness::{Evaluation, FurtherObjective, Outcome, StageSeconds, flags};
 use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
 use crate::report::{
-    FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
+    Column, FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
     outcomes_svg, png, standing,
 };
 
@@ -336,9 +336,19 @@ fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec
             figure_of_merit: evaluation.figure_of_merit,
             max_force: evaluation.max_force,
             flags: flags(&evaluation.exploits),
+            further: further(evaluation),
         })
     };
     front.iter().map(point).collect()
+}
+
+/// What the run asked besides bending and blocking, as tables show it.
+fn further(evaluation: &Evaluation) -> Vec<Column> {
+    let column = |(name, &value): (&String, &f64)| {
+        let objective = FurtherObjective::try_from(name.clone()).ok()?;
+        Some(Column { name: objective.name, unit: objective.unit, value })
+    };
+    evaluation.further.iter().filter_map(column).collect()
 }
 
 fn evaluated_objectives(records: &[Record]) -> Vec<[f64; 2]> {

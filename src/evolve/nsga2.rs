@@ -345,7 +345,7 @@ mod tests {
     }
 
     fn assert_hypervolume(run: &Nsga2, reference: [f64; 2], exact: f64, loss: f64) {
-        let found = hypervolume(&front_points(run), reference);
+        let found = hypervolume(&front_points(run), &reference);
         // No front can have more than the exact one.
         assert!(
             found < exact && found > exact - loss,
@@ -420,7 +420,7 @@ mod tests {
             if run.front().len() == run.population().len() {
                 break;
             }
-            let found = hypervolume(&front_points(&run), [1.1, 11.0]);
+            let found = hypervolume(&front_points(&run), &[1.1, 11.0]);
             assert!(found >= last);
             last = found;
         }

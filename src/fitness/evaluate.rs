@@ -3,9 +3,12 @@
 //! Bending: clamped at the base, pressure rising, nothing in the way. Blocking: the same, with a rigid plane at a
 //! distance from the outer wall. Until the part comes near the plane both are one path, which is walked once.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::exploit::{Exploit, exploits, flags};
+use super::further::{FurtherObjective, Reading};
 use super::objective::{bending, bending_samples, blocking, blocking_samples, figure_of_merit};
 use super::observation::{Observation, observations};
 use crate::math::{Rejected, Room, Vec3};
@@ -37,7 +40,7 @@ impl Default for LoadSettings {
 }
 
 /// What the objectives ask.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitnessSettings {
     /// Exponent of the work in `F_c`.
@@ -48,6 +51,8 @@ pub struct FitnessSettings {
     pub plane_distance: f64,
     /// Whether a design with an [`Exploit`] is rejected instead of flagged.
     pub exclude_exploits: bool,
+    /// What is asked besides bending and blocking.
+    pub further_objectives: Vec<FurtherObjective>,
 }
 
 impl Default for FitnessSettings {
@@ -58,6 +63,7 @@ impl Default for FitnessSettings {
             plane_normal: [1.0, 0.0, 0.0],
             plane_distance: 5.0,
             exclude_exploits: false,
+            further_objectives: Vec::new(),
         }
     }
 }
@@ -102,6 +108,9 @@ pub struct Evaluation {
     pub blocking_pressure: f64,
     /// Reasons to doubt the objectives.
     pub exploits: Vec<Exploit>,
+    /// The further objectives by name, each in its unit.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub further: BTreeMap<String, f64>,
 }
 
 /// Both walked scenarios.
@@ -183,6 +192,8 @@ pub fn evaluate_model(
     if fitness.exclude_exploits && !exploits.is_empty() {
         return Ok(Err(excluded(&exploits)));
     }
+    let reading = Reading { shell: mesh, free: &free_rows, blocked: &blocked_rows };
+    let further = fitness.further_objectives.iter();
     let evaluation = Evaluation {
         bending: bending(&free_rows, mesh.length, fitness.exponent),
         blocking: blocking(&blocked_rows),
@@ -198,6 +209,7 @@ pub fn evaluate_model(
         blocking_ending: blocked.ending,
         blocking_pressure: last_sample(&blocked_rows),
         exploits,
+        further: further.map(|one| (one.name.to_owned(), (one.value)(&reading))).collect(),
     };
     if let Some(rejected) = not_finite(&evaluation) {
         return Ok(Err(rejected));
@@ -212,9 +224,11 @@ const ONTO_PLANE: f64 = 0.25;
 
 /// A number that is none says nothing about its design, and no file of a run can hold it.
 fn not_finite(evaluation: &Evaluation) -> Option<Rejected> {
-    let Evaluation { bending, blocking, figure_of_merit, max_force, angle_deg, .. } = evaluation;
-    let numbers = [bending, blocking, figure_of_merit, max_force, angle_deg];
-    (!numbers.into_iter().all(|number| number.is_finite())).then(|| {
+    let Evaluation { bending, blocking, figure_of_merit, max_force, angle_deg, further, .. } =
+        evaluation;
+    let mut numbers = vec![bending, blocking, figure_of_merit, max_force, angle_deg];
+    numbers.extend(further.values());
+    (!numbers.iter().all(|number| number.is_finite())).then(|| {
         let detail = format!("among what was read off the paths is no number: {numbers:?}");
         Rejected::new(Room::Fitness, "not_finite", detail, 1.0)
     })

@@ -1,4 +1,4 @@
-//! How good is that? Scenarios, what is read off their paths, and the two objectives.
+//! How good is that? Scenarios, what is read off their paths, and the objectives.
 //!
 //! Two scenarios share one path until the part touches the plane: bending freely, and pressing on a plane.
 
@@ -6,6 +6,7 @@ mod candidate;
 mod evaluate;
 mod exploit;
 mod fidelity;
+mod further;
 mod objective;
 mod observation;
 mod outcome;
@@ -16,6 +17,7 @@ pub use evaluate::{
 };
 pub use exploit::{Exploit, flags};
 pub use fidelity::{Certificate, FidelitySettings, Verdict};
+pub use further::{FurtherObjective, Reading, Sense, UnknownObjective};
 pub use objective::{bending, blocking, figure_of_merit};
 pub use observation::{Observation, observations, stability};
 pub use outcome::{Outcome, StageSeconds};

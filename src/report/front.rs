@@ -5,7 +5,7 @@
 //! positive has no place there and is left out. A front in the left panel need not be one in the right.
 
 use plotters::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::{Serialize, Serializer, ser::SerializeStruct};
 
 use super::canvas::{
     self, Area, Drawn, Frame, INK, Mark, OTHERS, OURS, SMITH, Shape, linear_range, log_range,
@@ -13,7 +13,7 @@ use super::canvas::{
 use super::literature::{Published, Set, Technique, published};
 
 /// One design of the front as the figures and tables show it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FrontPoint {
     /// The design's name.
     pub id: String,
@@ -27,6 +27,37 @@ pub struct FrontPoint {
     pub max_force: f64,
     /// Reasons to doubt its objectives, separated by spaces; empty where there are none.
     pub flags: String,
+    /// What the run asked besides bending and blocking.
+    pub further: Vec<Column>,
+}
+
+/// A design's value in a column that not every table has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// What stands above it.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The value.
+    pub value: f64,
+}
+
+/// One row: a column for each field, and one for each further objective.
+impl Serialize for FrontPoint {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { id, bending, blocking, figure_of_merit, max_force, flags, further } = self;
+        let mut row = serializer.serialize_struct("FrontPoint", 6 + further.len())?;
+        row.serialize_field("id", id)?;
+        row.serialize_field("bending", bending)?;
+        row.serialize_field("blocking", blocking)?;
+        row.serialize_field("figure_of_merit", figure_of_merit)?;
+        row.serialize_field("max_force", max_force)?;
+        row.serialize_field("flags", flags)?;
+        for column in further {
+            row.serialize_field(column.name, &column.value)?;
+        }
+        row.end()
+    }
 }
 
 /// The figure of a `front`, over every evaluated pair of objectives (bending, blocking), with the front of `solids` if there is one, as
@@ -213,6 +244,7 @@ mod tests {
             figure_of_merit: 3.0 * t,
             max_force,
             flags: String::new(),
+            further: Vec::new(),
         }
     }
 

@@ -141,6 +141,7 @@ mod tests {
             figure_of_merit,
             max_force,
             flags: String::new(),
+            further: Vec::new(),
         };
         // The same geometry of a material ten times as stiff, and one without force.
         let front = [point(10.0, 1.0), point(1.0, 10.0), point(1.0, 0.0)];

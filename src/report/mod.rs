@@ -17,7 +17,7 @@ mod table;
 pub use canvas::{pdf, png};
 pub use error_figure::{ErrorCurve, ErrorPoint, error_svg};
 pub use error_overview::{JudgedError, OverviewRow, overview_svg};
-pub use front::{FrontPoint, front_svg};
+pub use front::{Column, FrontPoint, front_svg};
 pub use history::{HistoryPoint, history_svg};
 pub use literature::{Published, Set, Technique, best_stiffness, dominated, published};
 pub use merit::{merit_svg, standing};

@@ -107,6 +107,7 @@ mod tests {
             figure_of_merit: 3.0,
             max_force: 4.0,
             flags: markup.to_owned(),
+            further: Vec::new(),
         };
         let outcome = OutcomeCount { outcome: markup.to_owned(), rejected: true, candidates: 7 };
         let page = ReportPage {

@@ -5,17 +5,26 @@ use super::FrontPoint;
 /// The table of a `front`, in its order, ending with a line break.
 #[must_use]
 pub fn front_table(front: &[FrontPoint]) -> String {
-    let head = ["design", "F_c", "F_bf", "figure of merit", "largest force", "flags"];
-    let units = ["", "rad/(m J)^1/p", "N/kPa", "deg/(kPa m)", "N", ""];
+    let further = front.first().map_or(&[][..], |point| &point.further);
+    let row = |id: &str, numbers: [&str; 4], further: Vec<String>, flags: &str| -> Vec<String> {
+        let begin = [id].into_iter().chain(numbers).map(str::to_owned);
+        begin.chain(further).chain([flags.to_owned()]).collect()
+    };
+    let names = ["F_c", "F_bf", "figure of merit", "largest force"];
+    let units = ["rad/(m J)^1/p", "N/kPa", "deg/(kPa m)", "N"];
+    let head = [
+        row("design", names, further.iter().map(|c| c.name.replace('_', " ")).collect(), "flags"),
+        row("", units, further.iter().map(|column| column.unit.to_owned()).collect(), ""),
+    ];
     let rows = front.iter().map(|point| {
         let numbers = [point.bending, point.blocking, point.figure_of_merit, point.max_force];
-        let [a, b, c, d] = numbers.map(significant);
-        [point.id.clone(), a, b, c, d, point.flags.clone()]
+        let numbers = numbers.map(significant);
+        let further = point.further.iter().map(|column| significant(column.value)).collect();
+        row(&point.id, numbers.each_ref().map(String::as_str), further, &point.flags)
     });
-    let rows: Vec<_> =
-        [head, units].into_iter().map(|row| row.map(str::to_owned)).chain(rows).collect();
+    let rows: Vec<Vec<String>> = head.into_iter().chain(rows).collect();
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
-    let widths: Vec<_> = (0..head.len()).filter_map(width).collect();
+    let widths: Vec<_> = (0..rows[0].len()).filter_map(width).collect();
     let mut text = String::new();
     for row in &rows {
         text += &format!("{:<1$}", row[0], widths[0]);
@@ -44,6 +53,7 @@ fn significant(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Column;
 
     #[test]
     fn columns_are_aligned_and_digits_significant() {
@@ -54,6 +64,7 @@ mod tests {
             figure_of_merit: 1234567.0,
             max_force,
             flags: if max_force == 0.0 { "tiny_energy".to_owned() } else { String::new() },
+            further: Vec::new(),
         };
         let table = front_table(&[point("7", 0.171_23, 0.0), point("g12-03", 54.2, 2e-4)]);
         let expected = "\
@@ -63,5 +74,24 @@ design            F_c   F_bf  figure of merit  largest force        flags
 g12-03          54.20  12.00          1.235e6       2.000e-4
 ";
         assert_eq!(table, expected);
+    }
+
+    #[test]
+    fn further_objectives_are_columns() {
+        let column = Column { name: "wall_volume", unit: "cm^3", value: 12.5 };
+        let point = FrontPoint {
+            id: "7".to_owned(),
+            bending: 1.0,
+            blocking: 2.0,
+            figure_of_merit: 3.0,
+            max_force: 4.0,
+            flags: String::new(),
+            further: vec![column],
+        };
+        let table = front_table(&[point]);
+        let ends = ["largest force  wall volume  flags", "N         cm^3", "4.000        12.50"];
+        for (line, end) in table.lines().zip(ends) {
+            assert!(line.ends_with(end), "{table}");
+        }
     }
 }

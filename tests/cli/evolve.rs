@@ -118,6 +118,38 @@ fn a_run_writes_what_it_promises() {
     }
 }
 
+/// A third objective has its column and its share of the hypervolume; the first generation is that of the pair.
+#[test]
+fn a_further_objective_is_searched_for() {
+    let workshop = Workshop::new();
+    let further = "[fitness]\nfurther_objectives = [\"wall_volume\"]\n";
+    workshop.write("run.toml", &format!("{RUN}{further}"));
+    let said = workshop.run(&["evolve", "run.toml", "--out", "out", "--json"]);
+    assert!(said.code == 0 && said.err.contains("generation   3 of 3"), "{said:?}");
+    let told: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let columns = workshop.read("out/front.csv");
+    assert!(
+        columns.starts_with("id,bending,blocking,figure_of_merit,max_force,flags,wall_volume\n"),
+        "{columns}"
+    );
+    let volumes = workshop.column("out/front.csv", "wall_volume");
+    let front = told["front"].as_array().unwrap();
+    assert_eq!(told["candidates"], 18);
+    assert_eq!(front.iter().map(|m| m["wall_volume"].as_f64().unwrap()).collect::<Vec<_>>(), volumes);
+    // No wall of the box weighs nothing, and none fills it.
+    assert!(volumes.iter().all(|volume| (1.0..100.0).contains(volume)), "{volumes:?}");
+    let pairs = finished().column("out/history.csv", "best_bending");
+    assert_eq!(workshop.column("out/history.csv", "best_bending")[0], pairs[0]);
+    let volume = workshop.column("out/history.csv", "hypervolume");
+    assert!(volume.is_sorted(), "elitism never loses: {volume:?}");
+    // The lightest of all that could be evaluated is on the front.
+    let lightest = records(&workshop)
+        .iter()
+        .filter_map(|record| record["further"]["wall_volume"].as_f64())
+        .fold(f64::INFINITY, f64::min);
+    assert_eq!(volumes.iter().copied().fold(f64::INFINITY, f64::min), lightest);
+}
+
 #[test]
 fn one_thread_gives_the_bits_of_two() {
     let workshop = Workshop::new();
