@@ -7,6 +7,7 @@ use anyhow::{Context, anyhow, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use super::certify::Row;
 use super::design_folder::{write_path, write_surface};
 use super::evaluations::{Evaluator, Generation, Unfinished, serve_candidates};
 use super::material::instability;
@@ -14,7 +15,6 @@ use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use super::solid_part::SolidSection;
-use super::certify::Row;
 use super::{certify, narrate, say, warn};
 use crate::batch::{Executor, Farm, Next, Threads};
 use crate::evolve::{Evaluation, Individual, Nsga2, hypervolume};

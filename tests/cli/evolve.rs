@@ -135,7 +135,10 @@ fn a_further_objective_is_searched_for() {
     let volumes = workshop.column("out/front.csv", "wall_volume");
     let front = told["front"].as_array().unwrap();
     assert_eq!(told["candidates"], 18);
-    assert_eq!(front.iter().map(|m| m["wall_volume"].as_f64().unwrap()).collect::<Vec<_>>(), volumes);
+    assert_eq!(
+        front.iter().map(|m| m["wall_volume"].as_f64().unwrap()).collect::<Vec<_>>(),
+        volumes
+    );
     // No wall of the box weighs nothing, and none fills it.
     assert!(volumes.iter().all(|volume| (1.0..100.0).contains(volume)), "{volumes:?}");
     let pairs = finished().column("out/history.csv", "best_bending");
