@@ -120,6 +120,7 @@ impl RunFolder {
     }
 
     /// The commit of the program that made the folder, where it says so.
+    #[cfg(feature = "monitor")]
     pub(super) fn commit(&self) -> Option<String> {
         let text = std::fs::read_to_string(self.file("provenance.json")).ok()?;
         let provenance: serde_json::Value = serde_json::from_str(&text).ok()?;
@@ -268,6 +269,7 @@ impl RunFolder {
     }
 
     /// The rows of `solid/certificates.csv`; none where there is no such file.
+    #[cfg(feature = "monitor")]
     pub(super) fn certificates(&self) -> anyhow::Result<Vec<Row>> {
         rows_of(&self.file("solid/certificates.csv"))
     }

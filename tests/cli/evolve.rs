@@ -123,7 +123,7 @@ fn a_run_writes_what_it_promises() {
 fn a_further_objective_is_searched_for() {
     let workshop = Workshop::new();
     let further = "[fitness]\nfurther_objectives = [\"wall_volume\"]\n";
-    workshop.write("run.toml", &format!("{RUN}{further}"));
+    workshop.write("run.toml", format!("{RUN}{further}"));
     let said = workshop.run(&["evolve", "run.toml", "--out", "out", "--json"]);
     assert!(said.code == 0 && said.err.contains("generation   3 of 3"), "{said:?}");
     let told: serde_json::Value = serde_json::from_str(&said.out).unwrap();
