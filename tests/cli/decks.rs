@@ -40,7 +40,7 @@ struct Deck {
     cells: BTreeMap<u32, Vec<u32>>,
     node_sets: HashMap<String, Vec<u32>>,
     cell_sets: HashMap<String, Vec<u32>>,
-    /// Set of cells, number of the face, MPa.
+    /// Set of cells, number of the face, kPa.
     pressures: Vec<(String, usize, f64)>,
     /// The lines of other cards.
     cards: Vec<(String, Vec<String>)>,
@@ -206,14 +206,14 @@ fn decks_hold_the_wall_and_its_chamber() {
     assert_eq!(deck.card("*BOUNDARY"), ["CLAMP, 1, 3"]);
     let law: Vec<f64> =
         deck.card("*HYPERELASTIC")[0].split(',').map(|word| word.parse().unwrap()).collect();
-    // mu / 2 and 2 / kappa at kappa = 149/3 mu; printed with twelve digits.
-    assert!((law[0] - 0.5).abs() < 1e-11 && (law[1] - 6.0 / 149.0).abs() < 1e-12, "{law:?}");
+    // mu / 2 and 2 / kappa at kappa = 149/3 mu, kPa; printed with twelve digits.
+    assert!((law[0] - 500.0).abs() < 1e-8 && (law[1] - 6e-3 / 149.0).abs() < 1e-15, "{law:?}");
 
     // A step for each sample, the same faces in each.
     let [half, whole] = deck.pressures.split_at(deck.pressures.len() / 2).into();
     for ((set, face, pressure), before) in whole.iter().zip(half) {
         assert_eq!((set, face, 0.5 * pressure), (&before.0, &before.1, before.2));
-        assert_eq!(*pressure, 0.002);
+        assert_eq!(*pressure, 2.0);
     }
     let mut corners = Vec::new();
     let mut volume = 0.0;
