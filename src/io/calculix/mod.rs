@@ -108,7 +108,9 @@ fn hyperelastic(law: &Rubber, bulk_modulus: f64) -> Result<String, TooManyTerms>
     let d = 2.0 / (KPA * bulk_modulus);
     let (name, numbers) = match law {
         Rubber::NeoHookean(law) => ("NEO HOOKE".to_owned(), vec![KPA * 0.5 * law.mu, d]),
-        Rubber::MooneyRivlin(law) => ("MOONEY-RIVLIN".to_owned(), vec![KPA * law.c1, KPA * law.c2, d]),
+        Rubber::MooneyRivlin(law) => {
+            ("MOONEY-RIVLIN".to_owned(), vec![KPA * law.c1, KPA * law.c2, d])
+        }
         Rubber::Yeoh(law) => {
             let [c1, c2, c3] = law.c.map(|c| KPA * c);
             ("YEOH".to_owned(), vec![c1, c2, c3, d, VANISHING, VANISHING])
