@@ -341,7 +341,6 @@ fn calculix_agrees() {
     }
     let workshop = Workshop::new();
     workshop.write("box.msh", box_of_tetrahedra());
-    // CalculiX takes residuals below 1e-6 N for none: moduli are large.
     let laws = [
         ("neo", "law = \"neo-hookean\"\nmu = 100"),
         ("mooney", "law = \"mooney-rivlin\"\nc1 = 30\nc2 = 20"),

@@ -37,8 +37,9 @@ const KPA: f64 = 1e3;
 /// Items in a line of a set.
 const IN_LINE: usize = 8;
 /// An increment is done when the largest residual is below this share of the mean force, and the largest correction below this share of
-/// the increment; what is open then is some ten times as much. The correction decides: the program's tangent lacks the pressure's part, so that an iteration leaves up to nine tenths of the error;
-/// and stresses of its Ogden law lose digits where stretches are nearly equal, which leaves residuals of some per cent near rest.
+/// the increment; what is open then is some ten times as much. The correction decides: the program's tangent lacks the pressure's part,
+/// so that an iteration leaves up to nine tenths of the error; and stresses of its Ogden law lose digits where stretches are nearly
+/// equal, which leaves residuals of some per cent near rest.
 const TOLERANCES: [f64; 2] = [1e-1, 2e-4];
 /// Hence iterations are many, and no reason to cut an increment but where residuals still grow after 20, or it breaks down;
 /// increments are doubled after two that took less than 60.
