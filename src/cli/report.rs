@@ -127,6 +127,12 @@ fn methods(run: &RunFile, provenance: &str) -> String {
     let [x, y, z] = run.design_box.sides().into();
     let normal = run.fitness.plane_normal.map(|n| n.to_string()).join(", ");
     let path = &run.load.path;
+    let chords = match path.newton.chord_contraction {
+        contraction if contraction > 0.0 && run.solver.backend == Backend::Native => {
+            format!(" and keeps a tangent while the residual contracts by {contraction}")
+        }
+        _ => String::new(),
+    };
     let backend = match run.solver.backend {
         Backend::Native => "native",
         Backend::Petsc => "PETSc's SNES with MUMPS",
@@ -135,7 +141,7 @@ fn methods(run: &RunFile, provenance: &str) -> String {
         "Chambers are zero levels of a network of 22 genes in a box of {x} x {y} x {z} mm, meshed with edges of {} mm. \
          Walls of {} mm are Kirchhoff-Love shells on {element}, clamped below {} thicknesses, of {material}. \
          The chamber's pressure follows the wall and rises to {} MPa in {} samples; Newton's method stops at {:e} of the scale of \
-         forces, steps are halved while work and stored energy differ by more than {:e}, and loss of stability is followed to the \
+         forces{chords}, steps are halved while work and stored energy differ by more than {:e}, and loss of stability is followed to the \
          next stable state. Bending is judged by the chord angle over the work to the power 1/{}, blocking by the force on a plane with the \
          normal ({normal}), {} mm from the wall at rest, over the pressure. {}{} \
          Computed by {} {} (commit {}, {}, PETSc {}, solver {}).",

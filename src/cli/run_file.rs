@@ -191,9 +191,11 @@ pub(super) fn check_shell(wall: &ShellSettings, load: &LoadSettings) -> anyhow::
         load.path.halvings
     );
     within("[load.path] work_tolerance", load.path.work_tolerance, 1e-9, 1.0)?;
-    within("[load.path.newton] tolerance", load.path.newton.tolerance, 1e-13, 1e-3)?;
+    let newton = &load.path.newton;
+    within("[load.path.newton] tolerance", newton.tolerance, 1e-13, 1e-3)?;
+    within("[load.path.newton] chord_contraction", newton.chord_contraction, 0.0, 0.9)?;
     ensure!(
-        load.path.newton.max_iterations > 0,
+        newton.max_iterations > 0,
         "[load.path.newton] max_iterations is 0, but at least 1 is needed"
     );
     Ok(())

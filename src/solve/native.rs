@@ -6,6 +6,9 @@
 //! ```
 //!
 //! With the shift the step is a direction of descent: a minimiser does not walk to a saddle. Multipliers are not shifted.
+//!
+//! Between two such steps the factor at hand may correct the state (chords, Kelley 2003, section 2.4), where
+//! [`NewtonSettings::chord_contraction`] allows it: `x <- x - K0^-1 R(x)` while `|R|` contracts by that factor each time.
 
 use std::mem;
 use std::ops::Range;
@@ -79,7 +82,7 @@ impl NativeSolver {
         };
         mem::swap(&mut self.residual, &mut self.trial_residual);
         loop {
-            report.residual_norm = dot(&self.residual, &self.residual).sqrt();
+            report.residual_norm = norm(&self.residual);
             if report.residual_norm <= threshold {
                 self.solution = Some(x.to_vec());
                 return Ok(NewtonEnding::Converged);
@@ -100,67 +103,103 @@ impl NativeSolver {
             }
 
             let step = if system.multipliers().is_empty() {
-                self.lower_energy(system, x, energy)?
+                self.lower_energy(system, x, energy)
             } else {
                 let bound = RESIDUAL_GROWTH * report.residual_norm.max(threshold);
-                self.bound_residual(system, x, bound)?
+                self.bound_residual(system, x, bound)
             };
-            match step {
-                Ok(trial_energy) => energy = trial_energy,
-                Err(ending) => return Ok(ending),
+            if let Err(ending) = step {
+                return Ok(ending);
             }
             x.copy_from_slice(&self.trial);
+            if shift == Some(0.0) && settings.chord_contraction > 0.0 {
+                let target = settings.chord_contraction * report.residual_norm;
+                self.follow_chords(system, x, target, threshold, settings.chord_contraction);
+                report.residual_norm = norm(&self.residual);
+                if report.residual_norm <= threshold {
+                    return Ok(NewtonEnding::Converged);
+                }
+            }
+            match self.assemble(system, x)? {
+                Some(there) => energy = there,
+                None => return Ok(NewtonEnding::Inadmissible),
+            }
             mem::swap(&mut self.residual, &mut self.trial_residual);
         }
     }
 
-    /// Makes a step that lowers the `energy` into `trial`, and the tangent there; the energy, or why there is none.
+    /// Corrects `x` with the factor at hand: while its residual is below a `target` that contracts each time, until it is below
+    /// the `threshold`. Leaves the residual at `x` in `residual`.
+    fn follow_chords(
+        &mut self,
+        system: &mut Observed<'_>,
+        x: &mut [f64],
+        mut target: f64,
+        threshold: f64,
+        contraction: f64,
+    ) {
+        loop {
+            let evaluated = system.residual(&self.trial, &mut self.trial_residual);
+            let size = norm(&self.trial_residual);
+            if evaluated.is_err() || size.is_nan() || (size > target && size > threshold) {
+                return;
+            }
+            x.copy_from_slice(&self.trial);
+            mem::swap(&mut self.residual, &mut self.trial_residual);
+            if size <= threshold {
+                return;
+            }
+            self.solve_for_direction();
+            if system.longest_step(x, &self.direction) < 1.0 {
+                return;
+            }
+            for ((trial, x), dx) in self.trial.iter_mut().zip(&*x).zip(&self.direction) {
+                *trial = x + dx;
+            }
+            target = contraction * size;
+        }
+    }
+
+    /// Makes a step that lowers the `energy` into `trial`.
     fn lower_energy(
         &mut self,
         system: &mut Observed<'_>,
         x: &[f64],
         energy: f64,
-    ) -> Result<Result<f64, NewtonEnding>, SolverFailure> {
+    ) -> Result<(), NewtonEnding> {
         let slope = dot(&self.residual, &self.direction);
         system.forget_admissible();
         let step = line_search::search(system, x, &self.direction, energy, slope, &mut self.trial);
-        if step.is_none() {
-            return Ok(Err(if system.met_only_inadmissible() {
-                NewtonEnding::Inadmissible
-            } else {
-                NewtonEnding::LineSearchFailed
-            }));
+        if step.is_some() {
+            Ok(())
+        } else if system.met_only_inadmissible() {
+            Err(NewtonEnding::Inadmissible)
+        } else {
+            Err(NewtonEnding::LineSearchFailed)
         }
-        Ok(self.assemble_trial(system)?.ok_or(NewtonEnding::Inadmissible))
     }
 
-    /// Makes a step whose residual stays below `bound` into `trial`, and the tangent there; the energy, or why there is none.
+    /// Makes a step whose residual stays below `bound` into `trial`.
     fn bound_residual(
         &mut self,
         system: &mut Observed<'_>,
         x: &[f64],
         bound: f64,
-    ) -> Result<Result<f64, NewtonEnding>, SolverFailure> {
+    ) -> Result<(), NewtonEnding> {
         let mut ending = NewtonEnding::Inadmissible;
         for length in line_search::cuts(system.longest_step(x, &self.direction)) {
             for ((trial, x), dx) in self.trial.iter_mut().zip(x).zip(&self.direction) {
                 *trial = x + length * dx;
             }
-            if let Some(energy) = self.assemble_trial(system)? {
-                if dot(&self.trial_residual, &self.trial_residual).sqrt() <= bound {
-                    return Ok(Ok(energy));
+            let evaluated = system.residual(&self.trial, &mut self.trial_residual);
+            if evaluated.is_ok() && all_finite(&self.trial_residual) {
+                if norm(&self.trial_residual) <= bound {
+                    return Ok(());
                 }
                 ending = NewtonEnding::LineSearchFailed;
             }
         }
-        Ok(Err(ending))
-    }
-
-    fn assemble_trial(&mut self, system: &mut Observed<'_>) -> Result<Option<f64>, SolverFailure> {
-        let trial = mem::take(&mut self.trial);
-        let assembled = self.assemble(system, &trial);
-        self.trial = trial;
-        assembled
+        Err(ending)
     }
 
     /// Puts the tangent at `x` into `entries` and the residual into `trial_residual`; the energy, where all are finite.
@@ -207,14 +246,21 @@ impl NativeSolver {
     ) -> Option<f64> {
         let start = cpu_seconds();
         let shift = self.factorize_stable(stable, unshifted, multipliers);
-        if shift.is_some() {
-            for (direction, residual) in self.direction.iter_mut().zip(&self.residual) {
-                *direction = -residual;
-            }
-            self.factor.solve(&mut self.direction);
-        }
         self.times.factorization += cpu_seconds() - start;
+        if shift.is_some() {
+            self.solve_for_direction();
+        }
         shift
+    }
+
+    /// Solves for the direction with the factor at hand.
+    fn solve_for_direction(&mut self) {
+        let start = cpu_seconds();
+        for (direction, residual) in self.direction.iter_mut().zip(&self.residual) {
+            *direction = -residual;
+        }
+        self.factor.solve(&mut self.direction);
+        self.times.factorization += cpu_seconds() - start;
     }
 
     fn factorize_stable(
@@ -319,6 +365,10 @@ fn lower_columns(pattern: &SparsityPattern) -> Vec<Range<usize>> {
     (0..pattern.order()).map(lower).collect()
 }
 
+fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -331,6 +381,41 @@ fn all_finite(values: &[f64]) -> bool {
 mod tests {
     use super::*;
     use crate::solve::solver_suite::solver_suite;
+    use crate::solve::test_systems::Chain;
+
+    fn walked(chain: &mut Chain, x: &mut [f64], chord_contraction: f64) -> NewtonReport {
+        let settings = NewtonSettings { chord_contraction, ..NewtonSettings::default() };
+        NativeSolver::new(chain.pattern()).unwrap().solve(chain, x, &settings).unwrap()
+    }
+
+    #[test]
+    fn chords_reach_the_closed_form_with_fewer_tangents() {
+        let mut chain = Chain::hardening(20, 0.625);
+        let tangents = [0.0, 0.5].map(|contraction| {
+            let mut x = [0.0; 20];
+            let report = walked(&mut chain, &mut x, contraction);
+            assert_eq!(report.ending, NewtonEnding::Converged);
+            assert!(report.residual_norm <= 1e-9, "{report:?}");
+            // |R| <= 1e-9, and the softest mode has stiffness 1.75 (pi / 41)^2 = 0.01.
+            for (index, x) in x.iter().enumerate() {
+                assert!((x - 0.5 * (index + 1) as f64).abs() <= 1e-7, "{x}");
+            }
+            report.iterations
+        });
+        assert!(tangents[1] < tangents[0], "{tangents:?}");
+    }
+
+    #[test]
+    fn chords_do_not_lead_to_a_saddle() {
+        // Each spring of the double well is stable at 1 and -1, and at rest, unstable, at 0.
+        let mut chain = Chain::double_well(12);
+        let mut x: [f64; 12] = std::array::from_fn(|index| 0.1 + 0.02 * index as f64);
+        let report = walked(&mut chain, &mut x, 0.5);
+        assert_eq!(report.ending, NewtonEnding::Converged);
+        assert!(report.shifted > 0, "{report:?}");
+        // |R| <= 1e-9 where the stiffness is 2.
+        assert!(x.iter().all(|x| (x - 1.0).abs() <= 1e-9), "{x:?}");
+    }
 
     solver_suite!(|pattern| NativeSolver::new(pattern).unwrap());
 }

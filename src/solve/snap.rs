@@ -132,6 +132,7 @@ impl Walk<'_> {
         let newton = NewtonSettings {
             tolerance: LOOSE * self.settings.newton.tolerance,
             max_iterations: FEW_ITERATIONS,
+            chord_contraction: self.settings.newton.chord_contraction,
             most_shifted: FEW_SHIFTED,
         };
         let mut damped = Damped { anchor: state.x.clone(), damping, system: &mut *self.system };

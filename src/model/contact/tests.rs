@@ -17,8 +17,12 @@ const MATERIAL: Material = Material::NeoHookean(NeoHookean { mu: 1.0 });
 const ELEMENTS: [ShellElement; 2] = [ShellElement::Loop, ShellElement::MidEdge];
 /// The default's tolerance. A friction of 10 within a slip of 0.001 mm turns the rounding of positions of 20 mm into forces of
 /// 1e-10 of the largest load.
-const NEWTON: NewtonSettings =
-    NewtonSettings { tolerance: 1e-9, max_iterations: 100, most_shifted: usize::MAX };
+const NEWTON: NewtonSettings = NewtonSettings {
+    tolerance: 1e-9,
+    max_iterations: 100,
+    chord_contraction: 0.0,
+    most_shifted: usize::MAX,
+};
 
 fn solved(model: &mut PartModel, u: &mut [f64]) -> NewtonReport {
     let mut solver = NativeSolver::new(model.pattern()).unwrap();
