@@ -112,13 +112,12 @@ impl NativeSolver {
                 return Ok(ending);
             }
             x.copy_from_slice(&self.trial);
-            if shift == Some(0.0) && settings.chord_contraction > 0.0 {
-                let target = settings.chord_contraction * report.residual_norm;
-                self.follow_chords(system, x, target, threshold, settings.chord_contraction);
+            if shift == Some(0.0)
+                && settings.chord_contraction > 0.0
+                && self.follow_chords(system, x, settings.chord_contraction, threshold)
+            {
                 report.residual_norm = norm(&self.residual);
-                if report.residual_norm <= threshold {
-                    return Ok(NewtonEnding::Converged);
-                }
+                return Ok(NewtonEnding::Converged);
             }
             match self.assemble(system, x)? {
                 Some(there) => energy = there,
@@ -128,35 +127,35 @@ impl NativeSolver {
         }
     }
 
-    /// Corrects `x` with the factor at hand: while its residual is below a `target` that contracts each time, until it is below
-    /// the `threshold`. Leaves the residual at `x` in `residual`.
+    /// Corrects `x` with the factor at hand while the residual contracts; whether it got below the `threshold`.
+    ///
+    /// Starts from `x` in `trial`, and the residual before it in `residual`.
     fn follow_chords(
         &mut self,
         system: &mut Observed<'_>,
         x: &mut [f64],
-        mut target: f64,
-        threshold: f64,
         contraction: f64,
-    ) {
+        threshold: f64,
+    ) -> bool {
         loop {
+            let target = threshold.max(contraction * norm(&self.residual));
             let evaluated = system.residual(&self.trial, &mut self.trial_residual);
             let size = norm(&self.trial_residual);
-            if evaluated.is_err() || size.is_nan() || (size > target && size > threshold) {
-                return;
+            if evaluated.is_err() || size.is_nan() || size > target {
+                return false;
             }
             x.copy_from_slice(&self.trial);
             mem::swap(&mut self.residual, &mut self.trial_residual);
             if size <= threshold {
-                return;
+                return true;
             }
             self.solve_for_direction();
             if system.longest_step(x, &self.direction) < 1.0 {
-                return;
+                return false;
             }
             for ((trial, x), dx) in self.trial.iter_mut().zip(&*x).zip(&self.direction) {
                 *trial = x + dx;
             }
-            target = contraction * size;
         }
     }
 
