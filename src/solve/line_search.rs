@@ -11,7 +11,7 @@
 
 use std::iter;
 
-use crate::model::system::System;
+use crate::model::system::{Inadmissible, System};
 
 /// Armijo's fraction of the predicted decrease.
 const SUFFICIENT_DECREASE: f64 = 1e-4;
@@ -41,6 +41,7 @@ pub(super) struct Step {
 
 /// Finds a step along `dx [n]` from `x [n]` that lowers the energy; `trial [n]` receives `x + length dx`.
 ///
+/// `evaluate` returns the energy of a trial, and is last called with the one that is accepted.
 /// `slope` is `R . dx`, negative for a direction of descent. `None` when `dx` leads uphill or no
 /// admissible step lowers the energy.
 pub(super) fn search(
@@ -50,6 +51,7 @@ pub(super) fn search(
     energy: f64,
     slope: f64,
     trial: &mut [f64],
+    mut evaluate: impl FnMut(&mut dyn System, &[f64]) -> Result<f64, Inadmissible>,
 ) -> Option<Step> {
     if slope > 0.0 || slope.is_nan() {
         return None;
@@ -60,7 +62,7 @@ pub(super) fn search(
         for ((trial, x), dx) in trial.iter_mut().zip(x).zip(dx) {
             *trial = x + length * dx;
         }
-        if let Ok(trial_energy) = system.energy(trial)
+        if let Ok(trial_energy) = evaluate(system, trial)
             && trial_energy <= energy + SUFFICIENT_DECREASE * length * slope + slack
         {
             return Some(Step { length, energy: trial_energy });

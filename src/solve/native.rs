@@ -102,8 +102,9 @@ impl NativeSolver {
                 });
             }
 
+            let with_chords = shift == Some(0.0) && settings.chord_contraction > 0.0;
             let step = if system.multipliers().is_empty() {
-                self.lower_energy(system, x, energy)
+                self.lower_energy(system, x, energy, with_chords)
             } else {
                 let bound = RESIDUAL_GROWTH * report.residual_norm.max(threshold);
                 self.bound_residual(system, x, bound)
@@ -112,10 +113,7 @@ impl NativeSolver {
                 return Ok(ending);
             }
             x.copy_from_slice(&self.trial);
-            if shift == Some(0.0)
-                && settings.chord_contraction > 0.0
-                && self.follow_chords(system, x, settings.chord_contraction, threshold)
-            {
+            if with_chords && self.follow_chords(system, x, settings.chord_contraction, threshold) {
                 report.residual_norm = norm(&self.residual);
                 return Ok(NewtonEnding::Converged);
             }
@@ -129,7 +127,7 @@ impl NativeSolver {
 
     /// Corrects `x` with the factor at hand while the residual contracts; whether it got below the `threshold`.
     ///
-    /// Starts from `x` in `trial`, and the residual before it in `residual`.
+    /// Starts from `x` in `trial` with its residual in `trial_residual`, and the residual before it in `residual`.
     fn follow_chords(
         &mut self,
         system: &mut Observed<'_>,
@@ -139,9 +137,8 @@ impl NativeSolver {
     ) -> bool {
         loop {
             let target = threshold.max(contraction * norm(&self.residual));
-            let evaluated = system.residual(&self.trial, &mut self.trial_residual);
             let size = norm(&self.trial_residual);
-            if evaluated.is_err() || size.is_nan() || size > target {
+            if size.is_nan() || size > target {
                 return false;
             }
             x.copy_from_slice(&self.trial);
@@ -156,19 +153,38 @@ impl NativeSolver {
             for ((trial, x), dx) in self.trial.iter_mut().zip(&*x).zip(&self.direction) {
                 *trial = x + dx;
             }
+            if system.residual(&self.trial, &mut self.trial_residual).is_err() {
+                return false;
+            }
         }
     }
 
-    /// Makes a step that lowers the `energy` into `trial`.
+    /// Makes a step that lowers the `energy` into `trial`; `with_residual` the one there into `trial_residual`.
     fn lower_energy(
         &mut self,
         system: &mut Observed<'_>,
         x: &[f64],
         energy: f64,
+        with_residual: bool,
     ) -> Result<(), NewtonEnding> {
         let slope = dot(&self.residual, &self.direction);
         system.forget_admissible();
-        let step = line_search::search(system, x, &self.direction, energy, slope, &mut self.trial);
+        let evaluate = |system: &mut dyn System, trial: &[f64]| {
+            if with_residual {
+                system.residual(trial, &mut self.trial_residual)
+            } else {
+                system.energy(trial)
+            }
+        };
+        let step = line_search::search(
+            system,
+            x,
+            &self.direction,
+            energy,
+            slope,
+            &mut self.trial,
+            evaluate,
+        );
         if step.is_some() {
             Ok(())
         } else if system.met_only_inadmissible() {
@@ -178,7 +194,7 @@ impl NativeSolver {
         }
     }
 
-    /// Makes a step whose residual stays below `bound` into `trial`.
+    /// Makes a step whose residual stays below `bound` into `trial`, and its residual into `trial_residual`.
     fn bound_residual(
         &mut self,
         system: &mut Observed<'_>,

@@ -23,14 +23,22 @@ impl<'a> Observed<'a> {
         self.seconds
     }
 
-    /// Starts counting energies anew.
+    /// Starts counting admissible states anew.
     pub(super) fn forget_admissible(&mut self) {
         (self.admissible, self.inadmissible) = (0, 0);
     }
 
-    /// Were there energies asked for, and none defined?
+    /// Were there energies or residuals asked for, and none defined?
     pub(super) fn met_only_inadmissible(&self) -> bool {
         self.admissible == 0 && self.inadmissible > 0
+    }
+
+    fn note(&mut self, energy: Result<f64, Inadmissible>) -> Result<f64, Inadmissible> {
+        match energy {
+            Ok(_) => self.admissible += 1,
+            Err(_) => self.inadmissible += 1,
+        }
+        energy
     }
 
     fn timed<T>(&mut self, evaluate: impl FnOnce(&mut dyn System) -> T) -> T {
@@ -48,15 +56,12 @@ impl System for Observed<'_> {
 
     fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
         let energy = self.timed(|system| system.energy(x));
-        match energy {
-            Ok(_) => self.admissible += 1,
-            Err(_) => self.inadmissible += 1,
-        }
-        energy
+        self.note(energy)
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<f64, Inadmissible> {
-        self.timed(|system| system.residual(x, residual))
+        let energy = self.timed(|system| system.residual(x, residual));
+        self.note(energy)
     }
 
     fn tangent(

@@ -105,7 +105,8 @@ impl Term for LoopShell {
     ) -> Result<f64, Inadmissible> {
         let basis = &self.basis[s];
         let surface = Derivatives::new(basis, x);
-        let energy = self.points[s].derivatives(surface.forms()?, &self.material)?;
+        let energy =
+            self.points[s].derivatives(surface.forms()?, &self.material, local.with_hessian())?;
         surface.chain(&energy, basis, local);
         Ok(energy.value)
     }

@@ -122,7 +122,8 @@ impl Term for MidEdgeShell {
         local: &mut LocalDerivatives,
     ) -> Result<f64, Inadmissible> {
         let geometry = self.geometry(s, x)?;
-        let of_forms = self.points[s].derivatives(geometry.forms(), &self.material)?;
+        let of_forms =
+            self.points[s].derivatives(geometry.forms(), &self.material, local.with_hessian())?;
         let places = &self.places[s];
         for (&place, part) in places.iter().zip(geometry.gradient(&of_forms.gradient)) {
             local.gradient_mut()[place] += part;

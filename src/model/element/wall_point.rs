@@ -134,7 +134,8 @@ impl WallPoint {
         Ok(energy)
     }
 
-    /// The stored energy (mJ) with its derivatives with respect to `(a11, a22, a12, b11, b22, b12)`.
+    /// The stored energy (mJ) with its derivatives with respect to `(a11, a22, a12, b11, b22, b12)`; the Hessian only
+    /// `with_hessian`, else zero.
     ///
     /// ```text
     /// g = a - 2 zl b + (zl)^2 c      l(a) = thickness stretch      c(a, b) = b a^-1 b
@@ -147,6 +148,7 @@ impl WallPoint {
         &self,
         [a, b]: [Form; 2],
         material: &Material,
+        with_hessian: bool,
     ) -> Result<Jet, Inadmissible> {
         let det_a = det(a);
         let (t, j) = self.mid.invariants(a);
@@ -179,12 +181,17 @@ impl WallPoint {
                 row
             });
             let stress = stress.map(|s| layer.volume * s);
+            for (i, sum) in gradient.iter_mut().enumerate() {
+                *sum += stress[0] * dg[0][i] + stress[1] * dg[1][i] + stress[2] * dg[2][i];
+            }
+            if !with_hessian {
+                continue;
+            }
             let weighted: [[f64; VARIABLES]; 3] = std::array::from_fn(|k| {
                 let [d0, d1, d2] = stiffness[k].map(|d| layer.volume * d);
                 std::array::from_fn(|i| d0 * dg[0][i] + d1 * dg[1][i] + d2 * dg[2][i])
             });
             for i in 0..VARIABLES {
-                gradient[i] += stress[0] * dg[0][i] + stress[1] * dg[1][i] + stress[2] * dg[2][i];
                 for j in 0..VARIABLES {
                     hessian[i][j] += dg[0][i] * weighted[0][j]
                         + dg[1][i] * weighted[1][j]
@@ -197,6 +204,9 @@ impl WallPoint {
             }
         }
 
+        if !with_hessian {
+            return Ok(Jet::new(value, gradient, &hessian));
+        }
         let by_c = second_moment.map(|s| stretch.value * stretch.value * s);
         third.add_second(by_c, &mut hessian);
         // By the stretch: once, twice, and once with b and c.
@@ -367,7 +377,7 @@ mod tests {
             let k = bend / thickness;
             for form in [[k, 0.0, 0.0], [0.0, -k, 0.0]] {
                 let exact = mu * thickness.powi(3) * k * k / 6.0;
-                let energy = point.derivatives([metric, form], &material).unwrap().value;
+                let energy = point.derivatives([metric, form], &material, true).unwrap().value;
                 // Of second order in the bend; rounding is relative to mu t.
                 let tolerance = bend * bend + 1e-15 * mu * thickness / exact;
                 assert!((energy / exact - 1.0).abs() < tolerance, "{energy} {exact}");
@@ -389,9 +399,11 @@ mod tests {
             Material::Ogden(Ogden::ninjaflex_c2s()),
             Material::Compressible(Compressible::ninjaflex_c2s()),
         ] {
-            let jet = point.derivatives(at(state), &material).unwrap();
+            let jet = point.derivatives(at(state), &material, true).unwrap();
             let energy = point.energy(at(state), &material).unwrap();
             assert!((jet.value / energy - 1.0).abs() < 1e-14, "{} {energy}", jet.value);
+            let first_only = point.derivatives(at(state), &material, false).unwrap();
+            assert_eq!((first_only.value, first_only.gradient), (jet.value, jet.gradient));
             let scale = jet.hessian.iter().fold(0.0_f64, |most, h| most.max(h.abs()));
             // Of fourth order: (step / 1)^4, and rounding over the step.
             let step = 1e-3;
@@ -405,7 +417,7 @@ mod tests {
                 assert!((slope - jet.gradient[i]).abs() < 1e-10 * scale, "{i}: {slope}");
                 for j in 0..=i {
                     let of_gradient =
-                        |h| point.derivatives(moved(h), &material).unwrap().gradient[j];
+                        |h| point.derivatives(moved(h), &material, false).unwrap().gradient[j];
                     let slope = difference(step, of_gradient);
                     let exact = jet.hessian[i * (i + 1) / 2 + j];
                     assert!((slope - exact).abs() < 1e-10 * scale, "{i} {j}: {slope} {exact}");

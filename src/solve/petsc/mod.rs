@@ -363,6 +363,7 @@ impl Newton for Drive<'_> {
             self.energy,
             slope,
             &mut self.trial,
+            |system, trial| system.energy(trial),
         );
         if step.is_none() {
             self.inadmissible = self.system.met_only_inadmissible();
