@@ -97,7 +97,7 @@ impl Driver {
     /// When `newton` did: its panic is carried through PETSc and goes on here.
     pub(in crate::solve::petsc) fn solve(
         &mut self,
-        _: &Session,
+        session: &Session,
         newton: &mut dyn Newton,
         x: &mut [f64],
         max_iterations: usize,
@@ -126,8 +126,14 @@ impl Driver {
             check(sys::PCSetFailedReason(self.pc()?, sys::PC_NOERROR))?;
             check(sys::SNESSetTolerances(self.snes, 0.0, 0.0, 0.0, limit, many))?;
             let code = sys::SNESSolve(self.snes, ptr::null_mut(), self.x);
-            check(sys::SNESGetConvergedReason(self.snes, &mut reason))?;
+            sys::SNESGetConvergedReason(self.snes, &mut reason);
             code
+        };
+        // A callback's error leaves SNES at once, whatever it was doing: in PETSc 3.22.5 (not in 3.18.5) `x` then
+        // stays locked for reading, and no later solve could write it. So nothing of a stopped solve is used again.
+        let renewed = match code {
+            0 => Ok(()),
+            _ => Self::new(session, x.len()).map(|new| *self = new),
         };
         if let Some(payload) = call.panic {
             resume_unwind(payload);
@@ -136,6 +142,7 @@ impl Driver {
             return Err(failure);
         }
         check(code)?;
+        renewed?;
         x.copy_from_slice(&ReadArray::of(self.x)?);
         match reason {
             sys::SNES_CONVERGED_FNORM_ABS => Ok(NewtonEnding::Converged),
