@@ -22,7 +22,7 @@ use crate::fitness::{
     evaluate_model, evaluate_network, flags,
 };
 use crate::genome::{Genome, Network};
-use crate::io::{OutputFolder, atomic, csv, msh};
+use crate::io::{OutputFolder, atomic, csv, input, msh};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::ShellMesh;
 use crate::report::FrontPoint;
@@ -188,7 +188,8 @@ pub(super) fn certified(
         &|design: &Design| {
             let folder = folder.join(&design.name);
             let finished = folder.join(ROW);
-            if let Ok(text) = std::fs::read(&finished) {
+            if finished.exists() {
+                let text = input::bytes(&finished, input::DATA)?;
                 return serde_json::from_slice(&text)
                     .with_context(|| finished.display().to_string());
             }

@@ -20,7 +20,7 @@ use super::provenance::Provenance;
 use super::run_file::RunFile;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
 use crate::fitness::{Evaluation, FurtherObjective, Outcome, StageSeconds, flags};
-use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
+use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, input, jsonl, toml_file};
 use crate::report::{
     Column, FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
     outcomes_svg, png, standing,
@@ -122,7 +122,7 @@ impl RunFolder {
     /// The commit of the program that made the folder, where it says so.
     #[cfg(feature = "monitor")]
     pub(super) fn commit(&self) -> Option<String> {
-        let text = std::fs::read_to_string(self.file("provenance.json")).ok()?;
+        let text = input::text(&self.file("provenance.json"), input::SETTINGS).ok()?;
         let provenance: serde_json::Value = serde_json::from_str(&text).ok()?;
         provenance["commit"].as_str().map(str::to_owned)
     }
@@ -297,7 +297,7 @@ fn rows_of(path: &Path) -> anyhow::Result<Vec<Row>> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let text = input::text(path, input::DATA)?;
     Ok(csv::parse(&text, path)?)
 }
 

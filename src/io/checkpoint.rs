@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{InputError, OutputError, atomic};
+use super::{InputError, OutputError, atomic, input};
 
 /// A state read from a checkpoint.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +84,7 @@ pub fn load_latest<T: DeserializeOwned>(
 }
 
 fn load<T: DeserializeOwned>(path: &Path) -> Result<T, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let bytes = input::bytes(path, input::DATA)?;
     let invalid = |what: &str| InputError::new(path, what);
     let end = bytes.iter().position(|&byte| byte == b'\n').ok_or_else(|| invalid("no header"))?;
     let header: Header = serde_json::from_slice(&bytes[..end])

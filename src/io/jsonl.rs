@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::{InputError, OutputError, atomic};
+use super::{InputError, OutputError, atomic, input};
 
 /// A JSON-lines file open for appending.
 #[derive(Debug)]
@@ -69,7 +69,7 @@ pub fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), OutputError> {
 /// # Errors
 /// [`InputError`] when the file cannot be read, or a finished line does not fit `T`; with the line.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let bytes = input::bytes(path, input::DATA)?;
     let finished = &bytes[..finished_length(&bytes)];
     let mut rows = Vec::new();
     for (i, line) in finished.split_inclusive(|&byte| byte == b'\n').enumerate() {
@@ -87,7 +87,7 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, InputError> {
 /// # Errors
 /// [`InputError`] when the file cannot be read.
 pub fn read_what_fits<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, usize), InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let bytes = input::bytes(path, input::DATA)?;
     let finished = &bytes[..finished_length(&bytes)];
     let (mut rows, mut damaged) = (Vec::new(), 0);
     for line in finished.split_inclusive(|&byte| byte == b'\n') {

@@ -1,7 +1,7 @@
 //! Files: what is read from a person, and what is written so that a killed run leaves nothing half done.
 //!
 //! Every error of this module displays as one line that names the file.
-//! Files are written whole or not at all ([`atomic::write`]); only JSON-lines logs grow in place.
+//! What a user gives is read through [`input`] alone. Files are written whole or not at all ([`atomic::write`]); only JSON-lines logs grow in place.
 
 pub mod atomic;
 pub mod calculix;
@@ -11,6 +11,7 @@ pub mod csv;
 mod error;
 pub mod febio;
 pub mod gmsh;
+pub mod input;
 pub mod jsonl;
 mod mesher;
 pub mod msh;
