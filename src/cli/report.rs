@@ -40,6 +40,7 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
         warn(&format!("{line}; the checkpoint before it is used"));
     }
     let state = state
+        .filter(|state| !state.history.is_empty())
         .with_context(|| format!("{}: no generation has been finished yet", path.display()))?;
     let search = Nsga2::resume(state.search)?;
     let records = folder.records(search.generation())?;

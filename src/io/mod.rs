@@ -6,6 +6,7 @@
 pub mod atomic;
 pub mod calculix;
 pub mod checkpoint;
+pub mod checksum;
 pub mod child;
 pub mod csv;
 mod error;
@@ -13,6 +14,7 @@ pub mod febio;
 pub mod gmsh;
 pub mod input;
 pub mod jsonl;
+mod lock;
 mod mesher;
 pub mod msh;
 mod raw_solid;
@@ -26,4 +28,5 @@ pub mod vtu_solid;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};
+pub use lock::FolderLock;
 pub use solid_case::SolidCase;
