@@ -7,6 +7,7 @@
 //! Items go one at a time to whoever is free, so that dear ones do not queue behind each other. Messages are JSON, which keeps every
 //! bit of a finite number. Nobody spins while waiting: a process that does nothing leaves its core to others.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
@@ -57,6 +58,8 @@ const ITEM: i32 = 1;
 const OUTCOME: i32 = 2;
 /// There will be no more items.
 const END: i32 = 3;
+/// What is told before the first item.
+const WORD: i32 = 4;
 /// Between looks into the mailbox of a process that has nothing else to do: a thousandth of what an item takes.
 const PAUSE: Duration = Duration::from_micros(500);
 /// Between those of the first process, whose own threads compute: at 500 microseconds they took 3 % longer.
@@ -150,6 +153,44 @@ impl<M: Mailbox> Drop for Farm<'_, M> {
             let _ = self.mailbox.send(Message { rank, kind: END, bytes: Vec::new() });
         }
     }
+}
+
+/// Tells the first process of a job a `word`, before it leads a farm.
+///
+/// # Errors
+/// [`SolverFailure`] when it cannot be sent.
+///
+/// # Panics
+/// When the word is no plain data.
+pub fn tell_first<Word: Serialize>(
+    mailbox: &impl Mailbox,
+    word: &Word,
+) -> Result<(), SolverFailure> {
+    let bytes = serde_json::to_vec(word).expect("words are plain data");
+    mailbox.send(Message { rank: 0, kind: WORD, bytes })
+}
+
+/// What each of the other processes tells the first one by [`tell_first`], in the order of their numbers.
+///
+/// # Errors
+/// [`SolverFailure`] when it cannot be received.
+///
+/// # Panics
+/// When a process tells something else.
+pub fn hear_others<Word: DeserializeOwned>(
+    mailbox: &impl Mailbox,
+) -> Result<Vec<Word>, SolverFailure> {
+    let mut words: BTreeMap<usize, Word> = BTreeMap::new();
+    while words.len() + 1 < mailbox.processes() {
+        match mailbox.receive()? {
+            None => thread::sleep(PAUSE),
+            Some(Message { rank, bytes, .. }) => {
+                let word = serde_json::from_slice(&bytes).expect("this program has written it");
+                words.insert(rank, word);
+            }
+        }
+    }
+    Ok(words.into_values().collect())
 }
 
 /// Evaluates what the first process sends, until it says that it is over.

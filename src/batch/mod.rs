@@ -23,7 +23,7 @@ use std::any::Any;
 use serde::{Deserialize, Serialize};
 
 use crate::solve::{SolverFailure, confined};
-pub use farm::{Farm, Mailbox, serve};
+pub use farm::{Farm, Mailbox, hear_others, serve, tell_first};
 pub use serial::Serial;
 pub use threads::{Threads, ThreadsUnavailable};
 

@@ -2,31 +2,38 @@
 //!
 //! ```text
 //! certificates.csv        one row for each design
+//! settings.json           with what they were made
 //! <design>/  row.json  genome.toml  surface.stl  wall.msh  path.csv  path_blocked.csv  path_solid.csv  path_solid_blocked.csv  certificate.json
 //! ```
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::design_folder::{write_json, write_surface};
+use super::evolve::progress_bar;
+use super::meaning::Meaning;
+use super::overload::overload;
+use super::patience::{End, Patience};
+use super::provenance::COMMIT;
 use super::run_file::RunFile;
-use super::say;
 use super::simulate::read_network;
 use super::solid_part::{SolidPart, SolidReport, SolidSection};
-use crate::batch::{Executor, Next, Threads};
+use super::{say, warn};
+use crate::batch::{Executor, Next, Outcome as Ended, Stopped, Threads};
 use crate::evolve::Nsga2;
 use crate::fitness::{
-    CandidateSettings, Certificate, Evaluation, FidelitySettings, Outcome, Scenarios, Verdict,
-    evaluate_model, evaluate_network, flags,
+    CandidateSettings, Certificate, Evaluation, FidelitySettings, Outcome, Scenarios, Unevaluated,
+    Verdict, evaluate_model, evaluate_network, evaluate_network_until, flags,
 };
 use crate::genome::{Genome, Network};
-use crate::io::{OutputFolder, atomic, csv, msh};
+use crate::io::{FolderLock, OutputFolder, atomic, csv, input, msh};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::ShellMesh;
 use crate::report::FrontPoint;
-use crate::solve::Backend;
+use crate::solve::{Backend, Stop};
 
 /// A design to be certified.
 pub(super) struct Design {
@@ -86,34 +93,69 @@ pub(super) struct Certified {
     pub coarser: Option<Certificate>,
 }
 
-/// Certifies the networks in `files`, or as many valid designs of the first generation as `random` asks, by the run file at `run`.
-pub(super) fn run(
-    run: &Path,
-    files: &[PathBuf],
-    random: usize,
-    out: &Path,
-    threads: usize,
-    solver: Option<Backend>,
-) -> anyhow::Result<()> {
-    OutputFolder::check_new(out)?;
-    let run = RunFile::read(run, solver)?;
+/// What is certified, and how.
+pub(super) struct Request<'a> {
+    pub run: &'a Path,
+    /// Networks, or none where designs are drawn.
+    pub files: &'a [PathBuf],
+    /// How many valid designs of the first generation are drawn.
+    pub random: usize,
+    pub out: &'a Path,
+    /// Whether to go on in a folder.
+    pub resume: bool,
+    pub threads: usize,
+    pub solver: Option<Backend>,
+    pub time_limit: Option<Duration>,
+}
+
+/// Certifies what the `request` names.
+pub(super) fn run(request: &Request<'_>) -> anyhow::Result<End> {
+    let &Request { files, random, out, .. } = request;
+    let patience = Patience::new(request.time_limit)?;
+    if !request.resume {
+        OutputFolder::check_unclaimed(out)?;
+    }
+    let run = RunFile::read(request.run, request.solver)?;
     let section = run.solid.unwrap_or_default();
     section.check_programs()?;
     ensure!(random <= MOST_DRAWN, "--random is {random}, but at most {MOST_DRAWN} are drawn");
     let settings = run.candidate_settings()?;
+    overload(&run, &settings.material).iter().for_each(|line| warn(line));
     ensure!(
         files.is_empty() != (random == 0),
         "certify wants either network files or --random with a number of designs"
     );
-    let executor = Threads::new(threads)?;
+    let executor = Threads::new(request.threads)?;
     let designs =
         if random == 0 { named(files)? } else { drawn(&run, &settings, random, &executor)? };
-    let folder = OutputFolder::create_new(out)?;
-    let rows = certified(&designs, &settings, &section, folder.path(), &executor)?;
+    let (folder, _lock) = if request.resume {
+        (OutputFolder::open(out)?, FolderLock::take(out)?)
+    } else {
+        OutputFolder::claim(out)?
+    };
+    let certifying = Certifying {
+        settings: &settings,
+        section: &section,
+        meaning: &Meaning::of_certificates(&run, &section)?,
+        folder: folder.path(),
+        patience: &patience,
+        tell: &say,
+    };
+    let CertifiedRows { rows, is_complete } = certifying.rows(&designs, &executor)?;
     csv::write(&folder.file("certificates.csv"), &rows)?;
     say(&table(&rows));
+    if !is_complete {
+        say(&format!(
+            "{} after {} of {} designs; what has ended is in {}, and --resume goes on",
+            patience.why(),
+            rows.len(),
+            designs.len(),
+            out.display()
+        ));
+        return Ok(End::Stopped);
+    }
     say(&format!("results in {}", out.display()));
-    Ok(())
+    Ok(End::Finished)
 }
 
 fn named(files: &[PathBuf]) -> anyhow::Result<Vec<Design>> {
@@ -173,44 +215,160 @@ fn drawn(
     Ok(designs)
 }
 
-/// Certifies `designs`, writes each into a folder of its own under `folder`, and returns their rows in order.
-///
-/// A design whose row is there already is not walked again.
-pub(super) fn certified(
-    designs: &[Design],
+/// How designs are certified, and where.
+pub(super) struct Certifying<'a> {
+    pub settings: &'a CandidateSettings,
+    pub section: &'a SolidSection,
+    /// What settings and section mean.
+    pub meaning: &'a Meaning,
+    /// Holds a folder for each design.
+    pub folder: &'a Path,
+    pub patience: &'a Patience,
+    /// Tells the user of a design that has ended.
+    pub tell: &'a dyn Fn(&str),
+}
+
+/// Rows in the order of their designs.
+pub(super) struct CertifiedRows {
+    pub rows: Vec<Row>,
+    /// Whether no design lacks its row, because it was stopped.
+    pub is_complete: bool,
+}
+
+impl Certifying<'_> {
+    /// Certifies `designs`, and writes each into a folder of its own. A design whose row is there already is not walked again.
+    pub(super) fn rows(
+        &self,
+        designs: &[Design],
+        executor: &Threads,
+    ) -> anyhow::Result<CertifiedRows> {
+        self.bind_folder()?;
+        let before = designs.iter().map(|design| self.finished(design));
+        let before: Vec<Option<Row>> = before.collect::<anyhow::Result<_>>()?;
+        let open = || designs.iter().zip(&before).filter(|(_, row)| row.is_none());
+        let open: Vec<&Design> = open().map(|(design, _)| design).collect();
+        let is_over = || self.patience.is_over();
+        let stop = Stop::when(&is_over);
+        let (mut done, mut failure) = (designs.len() - open.len(), None);
+        let bar = progress_bar(0, 1, designs.len());
+        bar.set_message("solids");
+        bar.inc(done as u64);
+        let mut watch = |_, ended: &Ended<anyhow::Result<Option<String>>>| {
+            match ended {
+                Ok(Ok(Some(told))) => {
+                    done += 1;
+                    bar.inc(1);
+                    bar.suspend(|| (self.tell)(&format!("{told} ({done} of {})", designs.len())));
+                }
+                Ok(Ok(None)) => return Next::Stop,
+                Ok(Err(error)) => failure = Some(anyhow!("{error:#}")),
+                Err(panicked) => failure = Some(anyhow!("{panicked}")),
+            }
+            if failure.is_some() || self.patience.is_over() { Next::Stop } else { Next::Continue }
+        };
+        let (settings, section, folder) = (self.settings, self.section, self.folder);
+        let certify = |design: &&Design| certified(design, settings, section, folder, stop);
+        let ended = executor.evaluate(&open, &certify, &mut watch);
+        bar.finish_and_clear();
+        if let Some(failure) = failure {
+            return Err(failure);
+        }
+        if let Err(lost @ Stopped::Lost(_)) = ended {
+            return Err(lost.into());
+        }
+        let rows = designs.iter().map(|design| self.finished(design));
+        let rows: Vec<Option<Row>> = rows.collect::<anyhow::Result<_>>()?;
+        let is_complete = rows.iter().all(Option::is_some);
+        Ok(CertifiedRows { rows: rows.into_iter().flatten().collect(), is_complete })
+    }
+
+    /// Refuses a folder whose rows were made with other settings.
+    fn bind_folder(&self) -> anyhow::Result<()> {
+        let path = self.folder.join(SETTINGS);
+        if path.exists() {
+            let text = input::bytes(&path, input::SETTINGS)?;
+            let kept: Settings =
+                serde_json::from_slice(&text).with_context(|| path.display().to_string())?;
+            if let Some(difference) = self.meaning.first_difference(&kept.settings) {
+                bail!(
+                    "{} was made with other settings: {difference}; choose another folder, or remove it",
+                    self.folder.display()
+                );
+            }
+            if kept.commit != COMMIT {
+                warn(&format!(
+                    "{} was made by another build (commit {}, now {COMMIT})",
+                    self.folder.display(),
+                    kept.commit
+                ));
+            }
+        }
+        std::fs::create_dir_all(self.folder).with_context(|| self.folder.display().to_string())?;
+        write_json(&path, &Settings { commit: COMMIT.to_owned(), settings: self.meaning.clone() })
+    }
+
+    /// The row of a design that has ended already.
+    fn finished(&self, design: &Design) -> anyhow::Result<Option<Row>> {
+        let folder = self.folder.join(&design.name);
+        let row = folder.join(ROW);
+        if !row.exists() {
+            return Ok(None);
+        }
+        let genome = folder.join(GENOME);
+        let is_same =
+            input::text(&genome, input::SETTINGS).is_ok_and(|of| of == design.network.to_toml());
+        ensure!(
+            is_same,
+            "{} is not the design {} that is asked for",
+            genome.display(),
+            design.name
+        );
+        let text = input::bytes(&row, input::DATA)?;
+        let row = serde_json::from_slice(&text).with_context(|| row.display().to_string())?;
+        Ok(Some(row))
+    }
+}
+
+/// Writes the row of a design into a folder of its own in `folder`, and says how it ended; nothing where it was stopped.
+fn certified(
+    design: &Design,
     settings: &CandidateSettings,
     section: &SolidSection,
     folder: &Path,
-    executor: &Threads,
-) -> anyhow::Result<Vec<Row>> {
-    let outcomes = executor.evaluate(
-        designs,
-        &|design: &Design| {
-            let folder = folder.join(&design.name);
-            let finished = folder.join(ROW);
-            if let Ok(text) = std::fs::read(&finished) {
-                return serde_json::from_slice(&text)
-                    .with_context(|| finished.display().to_string());
-            }
-            let row = certify_design(design, settings, section, &folder)?;
-            write_json(&finished, &row)?;
-            Ok(row)
-        },
-        &mut |_, _| Next::Continue,
-    )?;
-    outcomes.into_iter().map(|outcome| outcome?).collect()
+    stop: Stop<'_>,
+) -> anyhow::Result<Option<String>> {
+    let folder = folder.join(&design.name);
+    let row = match certify_design(design, settings, section, &folder, stop) {
+        Ok(row) => row,
+        Err(error) if error.downcast_ref() == Some(&Unevaluated::Stopped) => return Ok(None),
+        Err(error) => return Err(error.context(design.name.clone())),
+    };
+    write_json(&folder.join(ROW), &row)?;
+    let seconds = row.seconds_shell.unwrap_or(0.0) + row.seconds_solid.unwrap_or(0.0);
+    Ok(Some(format!("{}: {}, {seconds:.1} CPU s", row.design, row.verdict)))
 }
+
+/// `settings.json`: with what the rows of a folder were made.
+#[derive(Serialize, Deserialize)]
+struct Settings {
+    commit: String,
+    settings: Meaning,
+}
+
+const SETTINGS: &str = "settings.json";
+const GENOME: &str = "genome.toml";
 
 fn certify_design(
     design: &Design,
     settings: &CandidateSettings,
     section: &SolidSection,
     folder: &Path,
+    stop: Stop<'_>,
 ) -> anyhow::Result<Row> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    atomic::write(&folder.join("genome.toml"), design.network.to_toml().as_bytes())?;
+    atomic::write(&folder.join(GENOME), design.network.to_toml().as_bytes())?;
     let start = cpu_seconds();
-    let candidate = evaluate_network(&design.network, settings)?;
+    let candidate = evaluate_network_until(&design.network, settings, stop)?;
     let row = Row::new(&design.name);
     let (shell, mesh, scenarios) = match (candidate.outcome, candidate.mesh, candidate.scenarios) {
         (Outcome::Evaluated(shell), Some(mesh), Some(scenarios)) => (shell, mesh, scenarios),
@@ -227,7 +385,7 @@ fn certify_design(
         ..row
     };
     let start = cpu_seconds();
-    let certified = match certify(&mesh, &scenarios, settings, section)? {
+    let certified = match certify(&mesh, &scenarios, settings, section, stop)? {
         Ok(certified) => certified,
         Err(rejected) => return Ok(row.rejected(&rejected)),
     };
@@ -249,12 +407,13 @@ fn certify_design(
 /// Walks the scenarios of the solid around the `shell` whose `scenarios` are known.
 ///
 /// # Errors
-/// When a library or a mesher cannot be run. A wall or a path that fails is the inner [`Rejected`].
+/// When a library or a mesher cannot be run, and [`Unevaluated::Stopped`] where `stop` wanted the end. A wall or a path that fails is the inner [`Rejected`].
 pub(super) fn certify(
     shell: &ShellMesh,
     scenarios: &Scenarios,
     settings: &CandidateSettings,
     section: &SolidSection,
+    stop: Stop<'_>,
 ) -> anyhow::Result<Result<Certified, Rejected>> {
     let walked = |section: &SolidSection| -> anyhow::Result<Result<_, Rejected>> {
         let part = match SolidPart::new(&scenarios.model, shell.thickness, section)? {
@@ -267,7 +426,7 @@ pub(super) fn certify(
             Err(rejected) => return Ok(Err(rejected)),
         };
         let CandidateSettings { load, fitness, backend, .. } = settings;
-        let evaluated = evaluate_model(shell, model, load, fitness, *backend)?;
+        let evaluated = evaluate_model(shell, model, load, fitness, *backend, stop)?;
         Ok(evaluated.map(|(evaluation, scenarios)| (part, evaluation, scenarios)))
     };
     let (part, evaluation, solid) = match walked(section)? {

@@ -5,7 +5,6 @@
 //! of nodes     max_i |u_ours_i - u_theirs_i|               at the last one, where solid.frd has it
 //! ```
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, ensure};
@@ -13,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::deck::{CASE, DISPLACEMENT, NodeRow, PATH, TipRow};
 use super::say;
-use crate::io::{calculix, csv};
+use crate::io::{InputError, calculix, csv, input};
 use crate::math::Vec3;
 
 /// What is read of `case.json`.
@@ -143,8 +142,8 @@ fn nodal_difference(path: &Path) -> anyhow::Result<Option<NodalDifference>> {
     Ok(Some(NodalDifference { share: largest.difference / scale, ..largest }))
 }
 
-fn text(path: &Path) -> anyhow::Result<String> {
-    fs::read_to_string(path).with_context(|| path.display().to_string())
+fn text(path: &Path) -> Result<String, InputError> {
+    input::text(path, input::DATA)
 }
 
 impl Comparison {

@@ -165,17 +165,15 @@ fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Result<Subject>
     let mut run = folder.run_file()?;
     run.solver.backend = choices.solver.unwrap_or(run.solver.backend);
     let id: IndividualId = id.parse()?;
-    let mut records = folder.records(usize::MAX)?;
-    records.extend(folder.running(id.generation)?);
-    let record = records.into_iter().find(|record| record.id == id);
-    let record = record.with_context(|| {
+    let logged = folder.logged()?;
+    let record = logged.all().find(|record| record.id == id).with_context(|| {
         format!("{} has no individual {id}; front.csv lists its best", folder.path().display())
     })?;
     let mut settings = run.candidate_settings()?;
     let was_incompressible = settings.material.poisson_ratio() == 0.5;
     let material = compressible(&settings.material, choices.poisson_ratio)?;
     settings.material = Material::Compressible(material.clone());
-    let network = Genome::try_from(record.genome)?.decode();
+    let network = Genome::try_from(record.genome.clone())?.decode();
     let shell = shell_of_network(&network, &settings).map_err(|rejected| anyhow!("{rejected}"))?;
     let section = with_edge(run.solid.unwrap_or_default(), choices)?;
     let (mesh, report) = solid(&shell, &settings.material, &section)?;

@@ -4,22 +4,33 @@
 //! being computed. A genome met before is not evaluated again: its outcome is a function of it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::anyhow;
 use serde::{Deserialize, Serialize};
 
 use super::evolve::progress_bar;
+use super::patience::Patience;
 use super::run_folder::{Place, Record, RunFolder};
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, serve};
 use crate::evolve::Candidate;
-use crate::fitness::{CandidateSettings, Outcome, StageSeconds, evaluate_network};
+use crate::fitness::{
+    CandidateSettings, Outcome, StageSeconds, Unevaluated, evaluate_network_until,
+};
 use crate::genome::Genome;
 use crate::math::{Rejected, Room};
-use crate::solve::Job;
+use crate::solve::{Job, Stop};
 
-/// What an evaluation gives: how the design did, or why the machine failed.
-pub(super) type Evaluated = Result<Finished, String>;
+/// What an evaluation gives.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) enum Evaluated {
+    /// How the design did.
+    Finished(Finished),
+    /// Nothing: it was stopped before its end.
+    Stopped,
+    /// Why the machine failed.
+    Failed(String),
+}
 
 /// What became of a genome, and what that cost.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -34,7 +45,10 @@ pub(super) type Evaluator<'a> = dyn Executor<Candidate, Evaluated> + 'a;
 
 /// Why there are no records.
 pub(super) enum Unfinished {
-    OutOfTime,
+    /// The user's patience is over; the candidates that have ended, so many, are on the disk.
+    Stopped {
+        ended: usize,
+    },
     Failed(anyhow::Error),
 }
 
@@ -45,25 +59,39 @@ impl<E: Into<anyhow::Error>> From<E> for Unfinished {
 }
 
 /// Evaluates what the first process of the `job` sends.
-pub(super) fn serve_candidates(job: Job, settings: &CandidateSettings) -> anyhow::Result<()> {
-    Ok(serve(&job, &|candidate: &Candidate| evaluate(candidate, settings, job.rank))?)
+pub(super) fn serve_candidates(
+    job: Job,
+    settings: &CandidateSettings,
+    stop: Stop<'_>,
+) -> anyhow::Result<()> {
+    Ok(serve(&job, &|candidate: &Candidate| evaluate(candidate, settings, job.rank, stop))?)
 }
 
-fn evaluate(candidate: &Candidate, settings: &CandidateSettings, rank: usize) -> Evaluated {
+fn evaluate(
+    candidate: &Candidate,
+    settings: &CandidateSettings,
+    rank: usize,
+    stop: Stop<'_>,
+) -> Evaluated {
     let genome =
         Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
-    let evaluated = evaluate_network(&genome.decode(), settings).map_err(|e| e.to_string())?;
+    let evaluated = match evaluate_network_until(&genome.decode(), settings, stop) {
+        Ok(evaluated) => evaluated,
+        Err(Unevaluated::Stopped) => return Evaluated::Stopped,
+        Err(Unevaluated::Failed(failure)) => return Evaluated::Failed(failure.to_string()),
+    };
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let place = Some(Place { rank, ended: since_1970.as_secs_f64() });
-    Ok(Finished { outcome: evaluated.outcome, cpu_seconds: evaluated.seconds, place })
+    let (outcome, cpu_seconds) = (evaluated.outcome, evaluated.seconds);
+    Evaluated::Finished(Finished { outcome, cpu_seconds, place })
 }
 
 /// What is known of genomes, by their bits.
 #[derive(Default)]
-struct Known(BTreeMap<Vec<u64>, Outcome>);
+pub(super) struct Known(BTreeMap<Vec<u64>, Outcome>);
 
 impl Known {
-    fn bits(genome: &[f64]) -> Vec<u64> {
+    pub(super) fn bits(genome: &[f64]) -> Vec<u64> {
         genome.iter().map(|gene| gene.to_bits()).collect()
     }
 
@@ -80,38 +108,43 @@ pub(super) struct Generation<'a> {
     pub generations: usize,
     /// Of the generations before.
     pub records: &'a [Record],
+    /// What an earlier run has recorded beyond them.
+    pub found: &'a [Record],
     pub settings: &'a CandidateSettings,
+    /// The digest of the run's settings.
+    pub digest: &'a str,
     pub folder: &'a RunFolder,
-    /// No candidate is begun after it.
-    pub deadline: Option<Instant>,
+    /// No candidate is begun once it is over, and those that have begun are stopped.
+    pub patience: &'a Patience,
 }
 
 impl Generation<'_> {
     /// The records of the candidates, in their order.
     pub(super) fn evaluate(&self, evaluator: &Evaluator<'_>) -> Result<Vec<Record>, Unfinished> {
-        let mut running: BTreeMap<_, _> = self
-            .folder
-            .running(self.number)?
-            .into_iter()
-            .map(|record| (record.id, record))
+        let is_candidate = |record: &&Record| {
+            self.candidates.iter().any(|c| c.id == record.id && c.genome == record.genome)
+        };
+        let mut own: BTreeMap<_, _> = self
+            .found
+            .iter()
+            .filter(is_candidate)
+            .map(|record| (record.id, record.clone()))
             .collect();
-        running.retain(|id, record| {
-            self.candidates.iter().any(|c| c.id == *id && c.genome == record.genome)
-        });
-        let mut known = Known::of(self.records.iter().chain(running.values()));
+        let mut known = Known::of(self.records.iter().chain(self.found));
         let mut fresh = self.fresh(&known);
         self.put_longest_first(&mut fresh);
         for record in self.begun(&fresh, evaluator)? {
             known.0.insert(Known::bits(&record.genome), record.outcome.clone());
-            running.insert(record.id, record);
+            own.insert(record.id, record);
         }
         let record = |candidate: &Candidate| {
-            running.remove(&candidate.id).unwrap_or_else(|| Record {
+            own.remove(&candidate.id).unwrap_or_else(|| Record {
                 id: candidate.id,
                 genome: candidate.genome.clone(),
                 outcome: known.0[&Known::bits(&candidate.genome)].clone(),
                 cpu_seconds: StageSeconds::default(),
                 place: None,
+                settings: Some(self.digest.to_owned()),
             })
         };
         Ok(self.candidates.iter().map(record).collect())
@@ -143,15 +176,17 @@ impl Generation<'_> {
         });
     }
 
-    /// The records of the `fresh` candidates, each on the disk when it has ended.
+    /// The records of the `fresh` candidates, each on the disk when it has ended; those that were stopped are as if never begun.
     fn begun(
         &self,
         fresh: &[Candidate],
         evaluator: &Evaluator<'_>,
     ) -> Result<Vec<Record>, Unfinished> {
-        let is_over = || self.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        if is_over() && !fresh.is_empty() {
-            return Err(Unfinished::OutOfTime);
+        if fresh.is_empty() {
+            return Ok(Vec::new());
+        }
+        if self.patience.is_over() {
+            return Err(Unfinished::Stopped { ended: 0 });
         }
         let mut log = self.folder.running_log()?;
         let bar = progress_bar(self.number, self.generations, self.candidates.len());
@@ -159,34 +194,46 @@ impl Generation<'_> {
         let (mut failure, mut records) = (None, Vec::new());
         let mut watch = |index: usize, ended: &Ended<Evaluated>| {
             bar.inc(1);
-            match record(&fresh[index], ended) {
-                Ok(record) => match log.append(&record) {
+            match record(&fresh[index], ended, self.digest) {
+                Ok(None) => return Next::Stop,
+                Ok(Some(record)) => match log.append(&record) {
                     Ok(()) => records.push(record),
                     Err(error) => failure = Some(error.into()),
                 },
                 Err(why) => failure = Some(why),
             }
-            if failure.is_some() || is_over() { Next::Stop } else { Next::Continue }
+            let ends = failure.is_some() || self.patience.is_over();
+            if ends { Next::Stop } else { Next::Continue }
         };
         let settings = self.settings;
-        let outcomes =
-            evaluator.evaluate(fresh, &|candidate| evaluate(candidate, settings, 0), &mut watch);
+        let is_over = || self.patience.is_over();
+        let stop = Stop::when(&is_over);
+        let evaluate = |candidate: &Candidate| evaluate(candidate, settings, 0, stop);
+        let outcomes = evaluator.evaluate(fresh, &evaluate, &mut watch);
         bar.finish_and_clear();
         if let Some(failure) = failure {
             return Err(Unfinished::Failed(failure));
         }
         match outcomes {
             Ok(_) => Ok(records),
-            Err(Stopped::ByObserver) => Err(Unfinished::OutOfTime),
+            // The last of a generation may end as the time does.
+            Err(Stopped::ByObserver) if records.len() == fresh.len() => Ok(records),
+            Err(Stopped::ByObserver) => Err(Unfinished::Stopped { ended: records.len() }),
             Err(lost @ Stopped::Lost(_)) => Err(lost.into()),
         }
     }
 }
 
-fn record(candidate: &Candidate, ended: &Ended<Evaluated>) -> anyhow::Result<Record> {
+/// What is recorded of a candidate that has ended; nothing where it was stopped.
+fn record(
+    candidate: &Candidate,
+    ended: &Ended<Evaluated>,
+    digest: &str,
+) -> anyhow::Result<Option<Record>> {
     let finished = match ended {
-        Ok(Ok(finished)) => finished.clone(),
-        Ok(Err(failure)) => {
+        Ok(Evaluated::Finished(finished)) => finished.clone(),
+        Ok(Evaluated::Stopped) => return Ok(None),
+        Ok(Evaluated::Failed(failure)) => {
             return Err(anyhow!("{failure}; what has ended is saved"));
         }
         Err(panicked) => Finished {
@@ -202,5 +249,6 @@ fn record(candidate: &Candidate, ended: &Ended<Evaluated>) -> anyhow::Result<Rec
     };
     let Finished { outcome, cpu_seconds, place } = finished;
     let genome = candidate.genome.clone();
-    Ok(Record { id: candidate.id, genome, outcome, cpu_seconds, place })
+    let settings = Some(digest.to_owned());
+    Ok(Some(Record { id: candidate.id, genome, outcome, cpu_seconds, place, settings }))
 }

@@ -1,28 +1,34 @@
 //! `evolve`: the search, one generation after the other, each saved before the next begins.
 
+use std::collections::BTreeSet;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::certify::Row;
+use super::certify::{Certifying, Row};
 use super::design_folder::{write_path, write_surface};
-use super::evaluations::{Evaluator, Generation, Unfinished, serve_candidates};
+use super::evaluations::{Evaluator, Generation, Known, Unfinished, serve_candidates};
 use super::material::instability;
+use super::meaning::Meaning;
+use super::overload::overload;
+use super::patience::{End, Patience};
+use super::provenance::COMMIT;
+use super::resume::Start;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use super::solid_part::SolidSection;
 use super::{certify, narrate, say, warn};
-use crate::batch::{Executor, Farm, Next, Threads};
-use crate::evolve::{Evaluation, Individual, Nsga2, hypervolume};
+use crate::batch::{Executor, Farm, Next, Stopped, Threads, hear_others, tell_first};
+use crate::evolve::{Checkpoint, Evaluation, Individual, Nsga2, hypervolume};
 use crate::fitness::{CandidateSettings, FurtherObjective, Outcome, evaluate_network};
 use crate::genome::Genome;
 use crate::io::{atomic, csv};
 use crate::report::{FrontPoint, OutcomeCount};
-use crate::solve::{Backend, Job};
+use crate::solve::{Backend, Job, Stop};
 
 /// How a search is run.
 #[derive(Clone, Copy, Debug)]
@@ -31,65 +37,92 @@ pub(super) struct Manner {
     /// Of each process; 0 is one for each core, or one where there are several processes.
     pub threads: usize,
     pub solver: Option<Backend>,
-    /// After which no candidate is begun.
+    /// After which it stops, candidates that have begun too.
     pub time_limit: Option<Duration>,
     /// Whether a program reads the answer.
     pub json: bool,
     pub job: Job,
 }
 
-/// How a search ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ending {
-    Finished,
-    /// What has ended is saved, and `--resume` goes on.
-    OutOfTime,
-}
-
 /// Runs the search of the run file at `path` in the folder `out`; the processes of the job but the first only evaluate.
-pub(super) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<Ending> {
+pub(super) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<End> {
     let Manner { solver, time_limit, json, job, .. } = *manner;
-    let deadline = time_limit.map(|limit| Instant::now() + limit);
+    let patience = Patience::new(time_limit)?;
     let run = RunFile::read(path, solver)?;
     ensure!(
         job.ranks == 1 || run.solver.backend == Backend::Native,
         "several processes evaluate with the solver native; PETSc would solve each candidate on all of them"
     );
+    let settings = Meaning::of_search(&run)?;
+    agree(job, &settings)?;
     if !job.is_first() {
-        serve_candidates(job, &run.candidate_settings()?)?;
-        return Ok(Ending::Finished);
+        let is_over = || patience.is_over();
+        serve_candidates(job, &run.candidate_settings()?, Stop::when(&is_over))?;
+        return Ok(End::Finished);
     }
     run.solid.iter().try_for_each(SolidSection::check_programs)?;
-    instability(&run.material.material()?).iter().for_each(|line| warn(line));
+    let material = run.material.material()?;
+    let warnings = [instability(&material), overload(&run, &material)];
+    warnings.iter().flatten().for_each(|line| warn(line));
     let threads = Threads::new(manner.threads(&run))?;
     let farm = (job.ranks > 1).then(|| Farm::new(job, &threads));
     let evaluator: &Evaluator<'_> = match &farm {
         Some(farm) => farm,
         None => &threads,
     };
-    let mut search = Search::begin(&run, out, *manner)?;
-    while !search.nsga2.is_finished() {
-        match search.advance(evaluator, deadline) {
+    let mut search = Search::begin(&run, out, settings, *manner, patience)?;
+    let first = search.nsga2.generation();
+    while !search.is_finished() {
+        match search.advance(evaluator) {
             Ok(()) => {}
-            Err(Unfinished::OutOfTime) => return Ok(search.out_of_time()),
+            Err(Unfinished::Stopped { ended }) => {
+                let is_idle = ended == 0 && search.nsga2.generation() == first;
+                return Ok(search.stopped(is_idle));
+            }
             Err(Unfinished::Failed(error)) => return Err(error),
         }
     }
     let table = search.folder.write_results(&search.nsga2, &search.history, &search.records)?;
-    search.write_front_members(&threads)?;
+    if search.write_front_members(&threads)? == End::Stopped {
+        return Ok(search.stopped(false));
+    }
     manner.tell(&table);
-    if let Some(section) = &run.solid {
-        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-            return Ok(search.out_of_time());
-        }
-        search.certify_front(section, &threads)?;
+    if let Some(section) = &run.solid
+        && search.certify_front(&run, section, &threads)? == End::Stopped
+    {
+        return Ok(search.stopped(false));
     }
     if json {
         say(&serde_json::to_string_pretty(&search.summary()?)?);
     }
     manner.tell(&search.rejection_summary());
     manner.tell(&format!("figures, front and designs are in {}", out.display()));
-    Ok(Ending::Finished)
+    Ok(End::Finished)
+}
+
+/// What the processes of a job have in common before they begin.
+#[derive(Serialize, Deserialize)]
+struct Word {
+    commit: String,
+    settings: Meaning,
+}
+
+/// Refuses processes that would search for different things.
+fn agree(job: Job, settings: &Meaning) -> anyhow::Result<()> {
+    if !job.is_first() {
+        let word = Word { commit: COMMIT.to_owned(), settings: settings.clone() };
+        return Ok(tell_first(&job, &word)?);
+    }
+    for (Word { commit, settings: theirs }, rank) in hear_others::<Word>(&job)?.iter().zip(1..) {
+        if let Some(difference) = theirs.first_difference(settings) {
+            bail!("process {rank} of the job has another run file than process 0: {difference}");
+        }
+        ensure!(
+            commit == COMMIT,
+            "process {rank} of the job is another build than process 0 (commit {commit} instead of {COMMIT})"
+        );
+    }
+    Ok(())
 }
 
 impl Manner {
@@ -125,82 +158,134 @@ struct Summary<'a> {
 /// A run between two generations.
 struct Search {
     manner: Manner,
+    patience: Patience,
     settings: CandidateSettings,
     nsga2: Nsga2,
     history: Vec<HistoryRow>,
     records: Vec<Record>,
+    /// Records of generations that are still to come.
+    found: Vec<Record>,
+    /// To what the records of a damaged folder are to lead.
+    expected: Option<Checkpoint>,
+    meaning: Meaning,
+    digest: String,
+    builds: Vec<String>,
     folder: RunFolder,
 }
 
 impl Search {
-    fn begin(run: &RunFile, out: &Path, manner: Manner) -> anyhow::Result<Self> {
+    fn begin(
+        run: &RunFile,
+        out: &Path,
+        meaning: Meaning,
+        manner: Manner,
+        patience: Patience,
+    ) -> anyhow::Result<Self> {
         let settings = run.candidate_settings()?;
-        let objectives = reference(&settings.fitness.further_objectives).len();
-        if !manner.resume {
-            let nsga2 = Nsga2::new(run.evolution.clone(), run.gene_bounds()?, objectives)?;
-            let folder = RunFolder::create(out, run)?;
-            let (history, records) = (Vec::new(), Vec::new());
-            return Ok(Self { manner, settings, nsga2, history, records, folder });
-        }
-        let folder = RunFolder::open(out)?;
-        folder.check_same(run)?;
-        folder.write_settings(run)?;
-        let (state, damaged) = folder.load()?;
-        for line in damaged {
-            warn(&format!("{line}; the checkpoint before it is used"));
-        }
-        let (nsga2, history) = match state {
-            Some(mut state) => {
-                state.search.settings.generations = run.evolution.generations;
-                (Nsga2::resume(state.search)?, state.history)
-            }
-            None => {
-                (Nsga2::new(run.evolution.clone(), run.gene_bounds()?, objectives)?, Vec::new())
-            }
+        let (folder, start) = if manner.resume {
+            let folder = RunFolder::open_to_resume(out)?;
+            let start = Start::resumed(&folder, run, meaning)?;
+            folder.write_settings(run)?;
+            manner.tell(&format!(
+                "resumed after generation {} of {}",
+                start.nsga2.generation(),
+                run.evolution.generations
+            ));
+            (folder, start)
+        } else {
+            let start = Start::new(run, meaning)?;
+            (RunFolder::create(out, run)?, start)
         };
-        let records = folder.records_to_resume(nsga2.generation())?;
-        manner.tell(&format!(
-            "resumed after generation {} of {}",
-            nsga2.generation(),
-            run.evolution.generations
-        ));
-        Ok(Self { manner, settings, nsga2, history, records, folder })
+        let Start { nsga2, history, records, found, expected, settings: meaning, builds } = start;
+        let digest = meaning.digest();
+        let search = Self {
+            manner,
+            patience,
+            settings,
+            nsga2,
+            history,
+            records,
+            found,
+            expected,
+            meaning,
+            digest,
+            builds,
+            folder,
+        };
+        if search.nsga2.generation() == 0 {
+            // So that what is evaluated first is bound to its settings too.
+            search.folder.save(&search.state())?;
+        }
+        Ok(search)
     }
 
-    fn advance(
-        &mut self,
-        evaluator: &Evaluator<'_>,
-        deadline: Option<Instant>,
-    ) -> Result<(), Unfinished> {
+    fn is_finished(&self) -> bool {
+        let expects =
+            self.expected.as_ref().is_some_and(|e| self.nsga2.generation() < e.generation);
+        self.nsga2.is_finished() && !expects
+    }
+
+    fn state(&self) -> RunState {
+        RunState {
+            search: self.nsga2.checkpoint(),
+            history: self.history.clone(),
+            settings: Some(self.meaning.clone()),
+            builds: self.builds.clone(),
+        }
+    }
+
+    fn advance(&mut self, evaluator: &Evaluator<'_>) -> Result<(), Unfinished> {
         let candidates = self.nsga2.ask();
         let generation = Generation {
             candidates: &candidates,
             number: self.nsga2.generation(),
             generations: self.nsga2.settings().generations,
             records: &self.records,
+            found: &self.found,
             settings: &self.settings,
+            digest: &self.digest,
             folder: &self.folder,
-            deadline,
+            patience: &self.patience,
         };
         let records = generation.evaluate(evaluator)?;
         let further = &self.settings.fitness.further_objectives;
         let evaluations = records.iter().map(|record| evaluation(record, further));
         self.nsga2.tell(evaluations.collect::<anyhow::Result<_>>()?);
+        self.check_expected()?;
         self.folder.append(&records)?;
         self.history.push(self.history_row(&records));
         self.records.extend(records);
-        let state = RunState { search: self.nsga2.checkpoint(), history: self.history.clone() };
-        self.folder.save(&state)?;
-        Ok(self.folder.clear_running()?)
+        self.folder.save(&self.state())?;
+        let generation = self.nsga2.generation();
+        let bits = |record: &Record| Known::bits(&record.genome);
+        let met: BTreeSet<_> = self.records.iter().map(bits).collect();
+        self.found.retain(|r| r.id.generation >= generation || !met.contains(&bits(r)));
+        Ok(self.folder.keep_found(&self.found)?)
     }
 
-    fn out_of_time(&self) -> Ending {
+    /// Refuses records that do not lead to the checkpoint that they were found with.
+    fn check_expected(&self) -> anyhow::Result<()> {
+        let here = self.nsga2.checkpoint();
+        let expected = self.expected.as_ref().filter(|e| e.generation == here.generation);
+        ensure!(
+            expected.is_none_or(|expected| *expected == here),
+            "{}: what is recorded does not lead to the checkpoint after generation {}; nothing was removed (was it made by another build?)",
+            self.folder.path().display(),
+            here.generation
+        );
+        Ok(())
+    }
+
+    /// Says how far the search is; `is_idle` where no candidate has ended since it was begun or resumed.
+    fn stopped(&self, is_idle: bool) -> End {
         self.manner.tell(&format!(
-            "the time is over after {} of {} generations; what has ended is saved, and --resume goes on",
+            "{} after {} of {} generations; what has ended is saved, and --resume goes on{}",
+            self.patience.why(),
             self.nsga2.generation(),
-            self.nsga2.settings().generations
+            self.nsga2.settings().generations,
+            if is_idle { " (no candidate has ended since: give it more time)" } else { "" }
         ));
-        Ending::OutOfTime
+        End::Stopped
     }
 
     fn history_row(&self, records: &[Record]) -> HistoryRow {
@@ -234,7 +319,7 @@ impl Search {
     }
 
     /// Computes the members of the front again and writes genome, surface, paths and pictures of each.
-    fn write_front_members(&self, executor: &Threads) -> anyhow::Result<()> {
+    fn write_front_members(&self, executor: &Threads) -> anyhow::Result<End> {
         let front: Vec<&Individual> = self.nsga2.front();
         let folder = self.folder.file("front");
         if folder.exists() {
@@ -248,14 +333,19 @@ impl Search {
             &|individual: &&Individual| self.write_member(individual),
             &mut |_, _| {
                 bar.inc(1);
-                Next::Continue
+                // It begins anew when resumed, so that a time limit would never let it end.
+                if self.patience.is_interrupted() { Next::Stop } else { Next::Continue }
             },
         );
         bar.finish_and_clear();
-        for outcome in written.map_err(|_| anyhow!("the front was not written"))? {
+        let written = match written {
+            Err(Stopped::ByObserver) => return Ok(End::Stopped),
+            written => written?,
+        };
+        for outcome in written {
             outcome??;
         }
-        Ok(())
+        Ok(End::Finished)
     }
 
     fn write_member(&self, individual: &Individual) -> anyhow::Result<()> {
@@ -265,7 +355,7 @@ impl Search {
         atomic::write(&folder.join("genome.toml"), network.to_toml().as_bytes())?;
         let candidate = evaluate_network(&network, &self.settings)?;
         let (Some(mesh), Some(scenarios)) = (candidate.mesh, candidate.scenarios) else {
-            anyhow::bail!("{} was evaluated before and fails now", individual.id);
+            bail!("{} was evaluated before and fails now", individual.id);
         };
         write_surface(&folder, &mesh)?;
         let model = &scenarios.model;
@@ -277,12 +367,26 @@ impl Search {
 
     /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`. What a killed run has walked is taken
     /// from there.
-    fn certify_front(&self, section: &SolidSection, executor: &Threads) -> anyhow::Result<()> {
+    fn certify_front(
+        &self,
+        run: &RunFile,
+        section: &SolidSection,
+        executor: &Threads,
+    ) -> anyhow::Result<End> {
         let front: Vec<_> = self.nsga2.front().iter().map(|individual| individual.id).collect();
         let folder = self.folder.file("solid");
         self.manner.tell(&format!("walking the front of {} designs as solids", front.len()));
-        let solid =
-            SolidFront::new(&front, &self.records, &self.settings, section, &folder, executor)?;
+        let job = Certifying {
+            settings: &self.settings,
+            section,
+            meaning: &Meaning::of_certificates(run, section)?,
+            folder: &folder,
+            patience: &self.patience,
+            tell: &|line| self.manner.tell(line),
+        };
+        let Some(solid) = SolidFront::new(&front, &self.records, &job, executor)? else {
+            return Ok(End::Stopped);
+        };
         let SolidFront { rows, of_front, front } = &solid;
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
         csv::write(&folder.join("certificates.csv"), rows)?;
@@ -294,7 +398,7 @@ impl Search {
             rows.len() - of_front,
             front.len()
         ));
-        Ok(())
+        Ok(End::Finished)
     }
 
     /// What a program reads of a search that is over.
@@ -330,7 +434,10 @@ impl Search {
 }
 
 /// Bending and blocking are made large, so that the search minimises their negatives; then what the run asks besides.
-fn evaluation(record: &Record, further: &[FurtherObjective]) -> anyhow::Result<Evaluation> {
+pub(super) fn evaluation(
+    record: &Record,
+    further: &[FurtherObjective],
+) -> anyhow::Result<Evaluation> {
     let evaluated = match &record.outcome {
         Outcome::Evaluated(evaluated) => evaluated,
         rejected @ Outcome::Rejected(_) => {
@@ -347,7 +454,7 @@ fn evaluation(record: &Record, further: &[FurtherObjective]) -> anyhow::Result<E
 }
 
 /// Where the hypervolume of a front with these objectives ends.
-fn reference(further: &[FurtherObjective]) -> Vec<f64> {
+pub(super) fn reference(further: &[FurtherObjective]) -> Vec<f64> {
     let further = further.iter().map(|objective| objective.minimized(objective.worst));
     [0.0, 0.0].into_iter().chain(further).collect()
 }

@@ -12,13 +12,17 @@ mod evolve;
 mod export;
 mod formula;
 mod material;
+mod meaning;
 mod mesh;
 #[cfg(feature = "monitor")]
 mod monitor;
+mod overload;
 mod part;
 mod patch_part;
+mod patience;
 mod provenance;
 mod report;
+mod resume;
 mod run_file;
 mod run_folder;
 mod scene_file;
@@ -81,9 +85,9 @@ enum Command {
         /// Candidates evaluated at once; 0 is one for each core. The results do not depend on it.
         #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
         threads: usize,
-        /// Stop cleanly after this time, such as 55m or 1h30m: no candidate is begun later, the exit code is 3, and --resume
-        /// goes on.
-        #[arg(long, value_parser = humantime::parse_duration)]
+        /// Stop cleanly after this time: 55m, 1h30m, or as Slurm has it (minutes, MM:SS, HH:MM:SS, D-HH, D-HH:MM:SS). Candidates that
+        /// have not ended by then are evaluated later, the exit code is 3, and --resume goes on. Ctrl-C and SIGTERM do the same.
+        #[arg(long, value_parser = patience::time_limit)]
         time_limit: Option<Duration>,
         /// The solver, instead of the run file's.
         #[arg(long)]
@@ -139,9 +143,15 @@ enum Command {
         /// Instead of files: this many valid designs of the run's first generation.
         #[arg(long, default_value_t = 0)]
         random: usize,
-        /// Folder for the results; must not exist.
+        /// Folder for the results; must not exist unless --resume is given.
         #[arg(long)]
         out: PathBuf,
+        /// Go on in --out: designs that have ended there are not walked again.
+        #[arg(long)]
+        resume: bool,
+        /// Stop cleanly after this time, as of `evolve`: the exit code is 3, and --resume goes on.
+        #[arg(long, value_parser = patience::time_limit)]
+        time_limit: Option<Duration>,
         /// Designs evaluated at once; 0 is one for each core.
         #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = threads)]
         threads: usize,
@@ -330,7 +340,7 @@ impl From<SolverName> for Backend {
 }
 
 /// Runs the program on the process's arguments; the exit code is 0 when done, 1 when the machine or the input
-/// failed, 2 for wrong usage, 3 when a search stopped at its time limit.
+/// failed, 2 for wrong usage, 3 when it stopped at its time limit or on a signal, with what it had in its folder.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -402,16 +412,25 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             let (run, out) = (given(run), given(out));
             let solver = solver.map(Backend::from);
             let manner = evolve::Manner { resume, threads, solver, time_limit, json, job };
-            return match evolve::run(&run, &out, &manner)? {
-                evolve::Ending::Finished => Ok(ExitCode::SUCCESS),
-                evolve::Ending::OutOfTime => Ok(ExitCode::from(OUT_OF_TIME)),
-            };
+            return Ok(evolve::run(&run, &out, &manner)?.into());
         }
-        Command::Simulate { scene, out, solver, json, threads, .. } => on_threads(threads, || {
-            simulate::run(&given(scene), &given(out), solver.map(Backend::from), json, job)
-        }),
-        Command::Certify { run, networks, random, out, threads, solver } => {
-            certify::run(&run, &networks, random, &out, threads, solver.map(Backend::from))
+        Command::Simulate { scene, out, solver, json, threads, .. } => {
+            let (scene, out, solver) = (given(scene), given(out), solver.map(Backend::from));
+            let simulate = || simulate::run(&scene, &out, solver, json, job);
+            return Ok(on_threads(threads, simulate)?.into());
+        }
+        Command::Certify { run, networks, random, out, resume, time_limit, threads, solver } => {
+            let request = certify::Request {
+                run: &run,
+                files: &networks,
+                random,
+                out: &out,
+                resume,
+                threads,
+                solver: solver.map(Backend::from),
+                time_limit,
+            };
+            return Ok(certify::run(&request)?.into());
         }
         Command::Export(export) => export.run(),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
@@ -449,14 +468,11 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
     done.map(|()| ExitCode::SUCCESS)
 }
 
-/// The exit code of a search that stopped at its time limit.
-const OUT_OF_TIME: u8 = 3;
-
 /// Does `work` on this thread, whose parallel loops run on so many threads, itself included.
-fn on_threads(
+fn on_threads<Answer: Send>(
     threads: usize,
-    work: impl FnOnce() -> anyhow::Result<()> + Send,
-) -> anyhow::Result<()> {
+    work: impl FnOnce() -> anyhow::Result<Answer> + Send,
+) -> anyhow::Result<Answer> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread();
     pool.build()?.install(work)
 }

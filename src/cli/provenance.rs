@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+/// The commit of this program.
+pub(super) const COMMIT: &str = env!("PNEUMORPH_COMMIT");
+
 /// What a run folder tells about the program that made it.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Provenance {
@@ -22,7 +25,7 @@ impl Provenance {
         Self {
             program: env!("CARGO_PKG_NAME"),
             version: env!("CARGO_PKG_VERSION"),
-            commit: env!("PNEUMORPH_COMMIT"),
+            commit: COMMIT,
             rustc: env!("PNEUMORPH_RUSTC"),
             target: env!("PNEUMORPH_TARGET"),
             profile: env!("PNEUMORPH_PROFILE"),

@@ -1,6 +1,5 @@
 //! `report`: a run folder as figures, tables, and one page that opens from the disk.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::Context;
@@ -11,7 +10,7 @@ use super::run_folder::{HistoryRow, Record, RunFolder, outcome_counts};
 use super::{say, warn};
 use crate::evolve::{Breeding, Crossover, Mutation, Nsga2, Nsga2Settings, Survival};
 use crate::fitness::{FurtherObjective, Sense};
-use crate::io::atomic;
+use crate::io::{atomic, input};
 use crate::mesh::ShellElement;
 use crate::report::{FrontPoint, ReportPage, pdf, standing};
 use crate::solve::Backend;
@@ -41,6 +40,7 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
         warn(&format!("{line}; the checkpoint before it is used"));
     }
     let state = state
+        .filter(|state| !state.history.is_empty())
         .with_context(|| format!("{}: no generation has been finished yet", path.display()))?;
     let search = Nsga2::resume(state.search)?;
     let records = folder.records(search.generation())?;
@@ -48,7 +48,7 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
     let mut written: Vec<&str> = vec!["front.csv", "history.csv", "outcomes.csv"];
     let mut figures = Vec::new();
     for (name, caption) in FIGURES {
-        let svg = fs::read_to_string(folder.file(&format!("{name}.svg")))?;
+        let svg = input::text(&folder.file(&format!("{name}.svg")), input::DATA)?;
         atomic::write(&folder.file(&format!("{name}.pdf")), &pdf(&svg))?;
         figures.push((caption, svg));
     }
@@ -77,7 +77,7 @@ fn page(
     let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
     let name = folder.path().canonicalize()?;
     let name = name.file_name().unwrap_or_default().to_string_lossy();
-    let read = |file: &str| fs::read_to_string(folder.file(file)).unwrap_or_default();
+    let read = |file: &str| input::text(&folder.file(file), input::SETTINGS).unwrap_or_default();
     let page = ReportPage {
         title: &format!("{name}: actuators by evolution"),
         summary: &summary(history, records, &front),

@@ -2,7 +2,9 @@
 //!
 //! ```text
 //! run.toml  provenance.json  checkpoints/  candidates.jsonl  history.csv
-//! running.jsonl                of a run that goes on, or was killed
+//! running.jsonl                of a run that goes on, or was killed: what is not in candidates.jsonl yet
+//! candidates.jsonl.damaged     what a run that went on found damaged, as it was
+//! .lock                        locked by the process that writes
 //! front.csv  outcomes.csv  front, history, merit, outcomes, each .svg and .png
 //! solid/  front_solid.csv      of a run with a [solid] section
 //! front/<id>/  genome.toml  surface.stl  path.csv  path_blocked.csv  *.vtu  *.pvd
@@ -16,11 +18,16 @@ use serde::{Deserialize, Serialize};
 
 use super::certify::Row;
 use super::design_folder::write_json;
+use super::meaning::Meaning;
 use super::provenance::Provenance;
 use super::run_file::RunFile;
+use super::warn;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
 use crate::fitness::{Evaluation, FurtherObjective, Outcome, StageSeconds, flags};
-use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, jsonl, toml_file};
+use crate::io::{
+    FolderLock, InputError, OutputError, OutputFolder, atomic, checkpoint, csv, input, jsonl,
+    toml_file,
+};
 use crate::report::{
     Column, FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
     outcomes_svg, png, standing,
@@ -37,6 +44,9 @@ pub(super) struct Record {
     /// Where and when it was evaluated; none of a genome that was known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,
+    /// The digest of the settings of its run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settings: Option<String>,
 }
 
 /// Where and when a candidate was evaluated.
@@ -66,6 +76,12 @@ pub(super) struct HistoryRow {
 pub(super) struct RunState {
     pub search: Checkpoint,
     pub history: Vec<HistoryRow>,
+    /// What its run file means; earlier versions kept none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settings: Option<Meaning>,
+    /// The commits of the programs that took part, in their order.
+    #[serde(default)]
+    pub builds: Vec<String>,
 }
 
 /// Scale of the PNG figures over the SVG's pixels.
@@ -73,6 +89,12 @@ const PNG_SCALE: f32 = 2.0;
 
 /// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
 const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force,flags\n";
+
+const RUN_FILE: &str = "run.toml";
+const CHECKPOINTS: &str = "checkpoints";
+
+/// The records of all generations that are over.
+const CANDIDATES: &str = "candidates.jsonl";
 
 /// The records of the generation that is being evaluated, as they end.
 const RUNNING: &str = "running.jsonl";
@@ -83,65 +105,117 @@ const SOLID_FRONT: &str = "front_solid.csv";
 /// A run folder.
 pub(super) struct RunFolder {
     folder: OutputFolder,
+    /// Of the one process that writes into it.
+    _lock: Option<FolderLock>,
+}
+
+/// What the logs of a run hold.
+pub(super) struct Logged {
+    /// Of `candidates.jsonl`.
+    candidates: Vec<Record>,
+    /// Of `running.jsonl`.
+    running: Vec<Record>,
+    /// Lines of either that cannot be used.
+    pub damaged: Vec<InputError>,
+}
+
+impl Logged {
+    /// The records in the order in which they were written.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Record> {
+        self.candidates.iter().chain(&self.running)
+    }
 }
 
 impl RunFolder {
-    /// A new folder for `run`.
+    /// What is kept of a log with damaged lines.
+    pub(super) const DAMAGED: &str = "candidates.jsonl.damaged";
+
+    /// A new folder for `run`, or one that a killed run had only begun to make.
     pub(super) fn create(path: &Path, run: &RunFile) -> anyhow::Result<Self> {
-        let folder = OutputFolder::create_new(path).map_err(|error| match error {
+        let (folder, lock) = OutputFolder::claim(path).map_err(|error| match error {
             OutputError::FolderExists(_) => anyhow!("{error}, or go on with its run: --resume"),
             other => other.into(),
         })?;
-        let folder = Self { folder };
+        let folder = Self { folder, _lock: Some(guarding(lock)) };
         folder.write_settings(run)?;
         Ok(folder)
     }
 
     /// Writes the run file, and which program runs it.
     pub(super) fn write_settings(&self, run: &RunFile) -> anyhow::Result<()> {
-        atomic::write(&self.file("run.toml"), toml::to_string(run)?.as_bytes())?;
+        atomic::write(&self.file(RUN_FILE), toml::to_string(run)?.as_bytes())?;
         write_json(&self.file("provenance.json"), &Provenance::of_this_process())
     }
 
-    /// The folder of an earlier run.
+    /// The folder of an earlier run, to look at.
     pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
         let folder = OutputFolder::open(path)?;
         ensure!(
-            folder.file("run.toml").is_file(),
+            folder.file(RUN_FILE).is_file(),
             "{} is not the folder of a run: it has no run.toml",
             path.display()
         );
-        Ok(Self { folder })
+        Ok(Self { folder, _lock: None })
+    }
+
+    /// The folder of an earlier run, to go on with: nobody else can at the same time.
+    pub(super) fn open_to_resume(path: &Path) -> anyhow::Result<Self> {
+        let Self { folder, .. } = Self::open(path)?;
+        let lock = FolderLock::take(path)?;
+        Ok(Self { folder, _lock: Some(guarding(lock)) })
     }
 
     /// The run file that the folder was made with.
     pub(super) fn run_file(&self) -> anyhow::Result<RunFile> {
-        Ok(toml_file::read(&self.folder.file("run.toml"))?)
+        Ok(toml_file::read(&self.folder.file(RUN_FILE))?)
     }
 
     /// The commit of the program that made the folder, where it says so.
     #[cfg(feature = "monitor")]
     pub(super) fn commit(&self) -> Option<String> {
-        let text = std::fs::read_to_string(self.file("provenance.json")).ok()?;
+        let text = input::text(&self.file("provenance.json"), input::SETTINGS).ok()?;
         let provenance: serde_json::Value = serde_json::from_str(&text).ok()?;
         provenance["commit"].as_str().map(str::to_owned)
     }
 
-    /// Refuses to go on with other settings; only more generations may be asked for, and another second stage, which the search does
-    /// not know.
-    pub(super) fn check_same(&self, run: &RunFile) -> anyhow::Result<()> {
-        let mut old = self.run_file()?;
-        old.evolution.generations = run.evolution.generations;
+    /// Refuses to go on with other `settings` than those of the checkpoint's `state`, or where that has none with a run file other than
+    /// the folder's copy; only more generations may be asked for, and another second stage, which the search does not know.
+    pub(super) fn check_same(
+        &self,
+        run: &RunFile,
+        settings: &Meaning,
+        state: Option<&RunState>,
+    ) -> anyhow::Result<()> {
+        let kept = state.and_then(|state| state.settings.as_ref());
+        let difference = match (kept, state) {
+            (Some(kept), _) => settings.first_difference_from_earlier(kept),
+            (None, Some(state)) => {
+                settings.first_difference_of_known(&Meaning::of_checkpoint(&state.search)?)
+            }
+            (None, None) => None,
+        };
+        let difference = match (difference, kept) {
+            (None, None) => settings.first_difference(&Meaning::of_search(&self.run_file()?)?),
+            (difference, _) => difference,
+        };
+        if let Some(difference) = difference {
+            bail!(
+                "{} was made with other settings: {difference}; resume it with its own run.toml, or choose another folder",
+                self.path().display()
+            );
+        }
+        let copy = self.run_file().and_then(|copy| Meaning::of_search(&copy));
+        if copy.ok().is_none_or(|copy| settings.first_difference(&copy).is_some()) {
+            warn(&format!(
+                "{} was changed since the run was made; it is written anew",
+                self.file(RUN_FILE).display()
+            ));
+        }
+        let old = self.run_file().ok().and_then(|old| old.solid);
         ensure!(
-            old.solid == run.solid || !self.file("solid").exists(),
+            old == run.solid || !self.file("solid").exists(),
             "{} was made with another [solid] section; remove it to walk the front again",
             self.file("solid").display()
-        );
-        old.solid.clone_from(&run.solid);
-        ensure!(
-            old == *run,
-            "{} was made with other settings; resume it with its own run.toml, or choose another folder",
-            self.folder.path().display()
         );
         Ok(())
     }
@@ -156,7 +230,7 @@ impl RunFolder {
 
     /// The last complete checkpoint, and a line for each damaged one that was passed over.
     pub(super) fn load(&self) -> anyhow::Result<(Option<RunState>, Vec<String>)> {
-        let folder = self.file("checkpoints");
+        let folder = self.file(CHECKPOINTS);
         let found =
             if folder.is_dir() { checkpoint::load_latest::<RunState>(&folder)? } else { None };
         let Some(found) = found else {
@@ -166,32 +240,82 @@ impl RunFolder {
         Ok((Some(found.state), damaged))
     }
 
+    /// As [`Self::load`]; where no checkpoint can be used there is none, with a line for each.
+    pub(super) fn load_to_resume(&self) -> anyhow::Result<(Option<RunState>, Vec<String>)> {
+        let folder = self.file(CHECKPOINTS);
+        if !folder.is_dir() {
+            return Ok((None, Vec::new()));
+        }
+        let lines = |damaged: Vec<InputError>| damaged.iter().map(ToString::to_string).collect();
+        Ok(match checkpoint::load_usable::<RunState>(&folder)? {
+            Ok(found) => (Some(found.state), lines(found.damaged)),
+            Err(damaged) => (None, lines(damaged)),
+        })
+    }
+
     pub(super) fn save(&self, state: &RunState) -> anyhow::Result<()> {
         let generation = state.search.generation as u64;
-        Ok(checkpoint::save(&self.folder.subfolder("checkpoints")?, generation, state)?)
+        Ok(checkpoint::save(&self.folder.subfolder(CHECKPOINTS)?, generation, state)?)
     }
 
     /// The records of the generations before `generation`.
     pub(super) fn records(&self, generation: usize) -> anyhow::Result<Vec<Record>> {
-        let path = self.file("candidates.jsonl");
+        let path = self.file(CANDIDATES);
         let mut records: Vec<Record> = if path.exists() { jsonl::read(&path)? } else { Vec::new() };
         records.retain(|record| record.id.generation < generation);
         Ok(records)
     }
 
-    /// As [`Self::records`]; what a killed run wrote of a later generation is removed from the file.
-    pub(super) fn records_to_resume(&self, generation: usize) -> anyhow::Result<Vec<Record>> {
-        let records = self.records(generation)?;
-        jsonl::write(&self.file("candidates.jsonl"), &records)?;
-        Ok(records)
+    /// Everything that was recorded.
+    pub(super) fn logged(&self) -> anyhow::Result<Logged> {
+        let read = |name: &str| {
+            let path = self.file(name);
+            if path.exists() { jsonl::read_what_fits(&path) } else { Ok(Default::default()) }
+        };
+        let (candidates, mut damaged) = read(CANDIDATES)?;
+        let (running, also_damaged) = read(RUNNING)?;
+        damaged.extend(also_damaged);
+        Ok(Logged { candidates, running, damaged })
     }
 
-    /// What a killed run has finished of `generation`.
-    pub(super) fn running(&self, generation: usize) -> anyhow::Result<Vec<Record>> {
+    /// Makes `records` the contents of `candidates.jsonl` and `found` those of `running.jsonl`, and takes away what killed processes
+    /// have left half written. What is `logged` is at no time in neither.
+    pub(super) fn put_in_order(
+        &self,
+        logged: &Logged,
+        records: &[Record],
+        found: &[Record],
+    ) -> anyhow::Result<()> {
+        atomic::clear_unfinished(self.path())?;
+        let candidates = self.file(CANDIDATES);
+        if !logged.damaged.is_empty() {
+            let logs = [candidates.clone(), self.file(RUNNING)].map(|log| std::fs::read(log).ok());
+            atomic::write(
+                &self.file(Self::DAMAGED),
+                &logs.into_iter().flatten().flatten().collect::<Vec<_>>(),
+            )?;
+        }
+        self.keep_found(found)?;
+        let ids = |records: &[Record]| records.iter().map(|record| record.id).collect::<Vec<_>>();
+        let is_in_order = logged.damaged.is_empty() && ids(&logged.candidates) == ids(records);
+        if !is_in_order {
+            jsonl::write(&candidates, records)?;
+        }
+        Ok(())
+    }
+
+    /// Makes `found` the contents of `running.jsonl`: the records whose generations are still to come.
+    pub(super) fn keep_found(&self, found: &[Record]) -> anyhow::Result<()> {
         let path = self.file(RUNNING);
-        let mut records: Vec<Record> = if path.exists() { jsonl::read(&path)? } else { Vec::new() };
-        records.retain(|record| record.id.generation == generation);
-        Ok(records)
+        if !found.is_empty() {
+            return Ok(jsonl::write(&path, found)?);
+        }
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                Err(error).with_context(|| path.display().to_string())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The log of the generation that is being evaluated.
@@ -199,14 +323,8 @@ impl RunFolder {
         Ok(jsonl::JsonLog::open(&self.file(RUNNING))?)
     }
 
-    /// Forgets that log: its generation is in a checkpoint.
-    pub(super) fn clear_running(&self) -> anyhow::Result<()> {
-        let path = self.file(RUNNING);
-        std::fs::remove_file(&path).with_context(|| path.display().to_string())
-    }
-
     pub(super) fn append(&self, records: &[Record]) -> anyhow::Result<()> {
-        let mut log = jsonl::JsonLog::open(&self.file("candidates.jsonl"))?;
+        let mut log = jsonl::JsonLog::open(&self.file(CANDIDATES))?;
         records.iter().try_for_each(|record| log.append(record))?;
         Ok(log.sync()?)
     }
@@ -249,6 +367,9 @@ impl RunFolder {
         let outcomes = outcome_counts(records);
         csv::write(&self.file("outcomes.csv"), &outcomes)?;
         self.write_figure("outcomes", &outcomes_svg(&outcomes))?;
+        if front.is_empty() {
+            return Ok(why_none(records));
+        }
         Ok(front_table(&front) + &standing(&front).map_or_else(String::new, |line| line + "\n"))
     }
 
@@ -293,11 +414,47 @@ impl RunFolder {
     }
 }
 
+/// Why there is no front: the leading reasons, each with its count and with what one design said.
+fn why_none(records: &[Record]) -> String {
+    let told = |count: &OutcomeCount| {
+        let detail = records.iter().find_map(|record| match &record.outcome {
+            Outcome::Rejected(rejected) if way_of(&record.outcome).1 == count.outcome => {
+                Some(rejected.detail.as_str())
+            }
+            _ => None,
+        });
+        let detail = detail.filter(|detail| !detail.is_empty());
+        let detail = detail.map_or_else(String::new, |detail| format!(" (such as: {detail})"));
+        format!("{} {}{detail}", count.candidates, count.outcome)
+    };
+    let counts = outcome_counts(records);
+    let reasons: Vec<String> = counts.iter().take(LEADING).map(told).collect();
+    format!(
+        "no design could be evaluated, because of {} candidates were rejected: {}{}\n",
+        records.len(),
+        reasons.join("; "),
+        if counts.len() > LEADING { "; and others, see outcomes.csv" } else { "" }
+    )
+}
+
+/// How many reasons are told where nothing could be evaluated.
+const LEADING: usize = 3;
+
+/// The `lock`; where it keeps nobody out the user has to.
+fn guarding(lock: FolderLock) -> FolderLock {
+    if let Some(why) = lock.unguarded() {
+        warn(&format!(
+            "the file system of the run folder has no locks ({why}): see to it that no other process writes there"
+        ));
+    }
+    lock
+}
+
 fn rows_of(path: &Path) -> anyhow::Result<Vec<Row>> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let text = input::text(path, input::DATA)?;
     Ok(csv::parse(&text, path)?)
 }
 

@@ -12,7 +12,9 @@ use crate::math::cpu_seconds;
 use crate::mesh::{Patch, ShellMesh, ShellSettings, Side, SolidMesh};
 use crate::model::system::{LoadedSystem, System};
 use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads};
-use crate::solve::{Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, follow};
+use crate::solve::{
+    Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, Stop, follow_from,
+};
 use crate::surface::TriangleMesh;
 
 /// A part ready to be loaded.
@@ -69,12 +71,13 @@ impl Shape {
         Ok(Self { surface: mesh.surface, model, watches })
     }
 
-    /// Walks the path of the `scene`, or takes its one linear step.
+    /// Walks the path of the `scene` until `stop` wants its end, or takes its one linear step.
     pub(super) fn measure(
         &mut self,
         scene: &SceneFile,
         backend: Backend,
         start: f64,
+        stop: Stop<'_>,
     ) -> anyhow::Result<Measured> {
         let largest = scene.load_settings();
         let mut solver = backend.solver_by(scene.solver.linear, self.model.pattern())?;
@@ -84,7 +87,9 @@ impl Shape {
             let at_rest = self.model.volume(&vec![0.0; self.model.unknowns()]);
             let programme = scene.programme(at_rest);
             self.model.set_stretch_bound(largest.stretch_bound);
-            follow(&mut self.model, solver.as_mut(), programme, Vec::new(), &largest.path)?
+            let (model, solver) = (&mut self.model, solver.as_mut());
+            let first = f64::INFINITY;
+            follow_from(model, solver, programme, Vec::new(), first, &largest.path, stop)?
         };
         let seconds = cpu_seconds() - start;
         Ok(Measured {

@@ -13,6 +13,7 @@ use super::design_folder::{
 };
 use super::material::instability;
 use super::part::PartFiles;
+use super::patience::{End, Patience};
 use super::provenance::Provenance;
 use super::scene_file::SceneFile;
 use super::shape::watches_of_closed;
@@ -26,7 +27,7 @@ use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
-use crate::solve::{Backend, Job, Path as Walked, SolveTimes, follow};
+use crate::solve::{Backend, Ending, Job, Path as Walked, SolveTimes, Stop, follow_from};
 use crate::surface::{SurfaceQuality, TriangleMesh};
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -70,15 +71,19 @@ pub(super) fn run(
     solver: Option<Backend>,
     json: bool,
     job: Job,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<End> {
     let start = cpu_seconds();
     if job.is_first() {
-        OutputFolder::check_new(out)?;
+        OutputFolder::check_unclaimed(out)?;
     }
+    let patience = Patience::new(None)?;
+    // All processes walk one path, and end it together; a job that can no longer talk is over.
+    let is_over = || job.any(patience.is_over()).unwrap_or(true);
+    let stop = Stop::when(&is_over);
     let scene = SceneFile::read(path, solver)?;
     let source = scene.part.source(path, &OnDisk)?;
     if !source.is_actuator() {
-        return simulate_shape::run(path, &scene, &source, out, json, job);
+        return simulate_shape::run(path, &scene, &source, out, json, job, stop);
     }
     let mesh = shell(&scene, &source)?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
@@ -103,12 +108,18 @@ pub(super) fn run(
         model = solid.model(&mesh, &material, &planes).map_err(failed)?;
     }
     let meshing = cpu_seconds() - start;
-    let folder = job.is_first().then(|| OutputFolder::create_new(out)).transpose()?;
-    let (walked, times) =
-        walk(&scene, &mut model).with_context(|| path.display().to_string()).inspect_err(|_| {
-            folder.iter().for_each(OutputFolder::remove_if_empty);
-        })?;
-    let Some(folder) = folder else { return Ok(()) };
+    let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
+    let walked = walk(&scene, &mut model, stop).with_context(|| path.display().to_string());
+    let Some((folder, lock)) = claim else { return Ok(End::of(&walked?.0)) };
+    let (walked, times) = match walked {
+        Ok(walked) if !walked.0.points.is_empty() => walked,
+        nothing => {
+            folder.give_back(lock);
+            let (walked, _) = nothing?;
+            say(NOTHING_WRITTEN);
+            return Ok(End::of(&walked));
+        }
+    };
     let rows = observations(&mesh, &model, &walked.points);
     let last = rows.last().expect("a walked path has its start");
     let summary = Summary {
@@ -156,19 +167,29 @@ pub(super) fn run(
         write_watches(folder.path(), names.zip(&curves))?;
     }
     write_json(&folder.file("summary.json"), &summary)?;
+    lock.remove();
     say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });
-    Ok(())
+    Ok(End::of(&walked))
 }
 
+/// What is said of a path that was interrupted in its first state.
+pub(super) const NOTHING_WRITTEN: &str = "interrupted before the path began; nothing is written";
+
 /// The path of a part that is stable at rest, and what it took.
-fn walk(scene: &SceneFile, model: &mut PartModel) -> anyhow::Result<(Walked, SolveTimes)> {
+fn walk(
+    scene: &SceneFile,
+    model: &mut PartModel,
+    stop: Stop<'_>,
+) -> anyhow::Result<(Walked, SolveTimes)> {
     let mut solver = scene.solver.backend.solver_by(scene.solver.linear, model.pattern())?;
     let load = scene.load_settings();
     model.set_stretch_bound(load.stretch_bound);
     let programme = scene.programme(model.volume(&vec![0.0; model.unknowns()]));
-    let walked = follow(model, solver.as_mut(), programme, Vec::new(), &load.path)?;
+    let (solver_ref, settings) = (solver.as_mut(), &load.path);
+    let walked =
+        follow_from(model, solver_ref, programme, Vec::new(), f64::INFINITY, settings, stop)?;
     ensure!(
-        !walked.points.is_empty(),
+        !walked.points.is_empty() || walked.ending == Ending::Interrupted,
         "the part is not stable at rest ({}): look at its mesh and its material",
         walked.ending.name().replace('_', " ")
     );

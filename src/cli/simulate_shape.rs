@@ -8,15 +8,17 @@ use serde::Serialize;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_pictures, write_watches};
 use super::part::PartSource;
+use super::patience::End;
 use super::provenance::Provenance;
 use super::say;
 use super::scene_file::SceneFile;
 use super::shape::{Measured, Shape};
+use super::simulate::NOTHING_WRITTEN;
 use super::walk_summary::WalkSummary;
 use crate::fitness::stability;
 use crate::io::{OutputFolder, atomic, csv, stl};
 use crate::math::cpu_seconds;
-use crate::solve::{Backend, Job};
+use crate::solve::{Backend, Ending, Job, Stop};
 
 /// A row of `path.csv`.
 #[derive(Debug, Serialize)]
@@ -74,15 +76,29 @@ pub(super) fn run(
     out: &Path,
     json: bool,
     job: Job,
-) -> anyhow::Result<()> {
+    stop: Stop<'_>,
+) -> anyhow::Result<End> {
     let start = cpu_seconds();
     let named = || path.display().to_string();
     let mut shape = Shape::new(scene, source).with_context(named)?;
-    let Measured { walked, unknowns, cpu_seconds, curves, .. } =
-        shape.measure(scene, scene.solver.backend, start).with_context(named)?;
-    if !job.is_first() {
-        return Ok(());
-    }
+    let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
+    let measured = shape.measure(scene, scene.solver.backend, start, stop).with_context(named);
+    let Some((folder, lock)) = claim else { return Ok(End::of(&measured?.walked)) };
+    let Measured { walked, unknowns, cpu_seconds, curves, .. } = match measured {
+        Ok(measured) if !measured.walked.points.is_empty() => measured,
+        nothing => {
+            folder.give_back(lock);
+            let Measured { walked, .. } = nothing?;
+            ensure!(
+                walked.ending == Ending::Interrupted,
+                "{}: the part is not stable at rest ({}); is it held against all rigid motions?",
+                path.display(),
+                walked.ending.name().replace('_', " ")
+            );
+            say(NOTHING_WRITTEN);
+            return Ok(End::Stopped);
+        }
+    };
     let largest_of = |x: &[f64]| {
         let sizes = shape.model.vertex_displacements(x).into_iter().map(|u| u.norm());
         sizes.fold(0.0, f64::max)
@@ -105,12 +121,6 @@ pub(super) fn run(
             stability: stability(point),
         })
         .collect();
-    ensure!(
-        !rows.is_empty(),
-        "{}: the part is not stable at rest ({}); is it held against all rigid motions?",
-        path.display(),
-        walked.ending.name().replace('_', " ")
-    );
     let last = rows.last().expect("it has the start at least");
     let watches = || scene.watches.iter().map(|watch| watch.name.as_str()).zip(&curves);
     let final_values = watches()
@@ -130,7 +140,6 @@ pub(super) fn run(
         cpu_seconds,
         provenance: Provenance::of_this_process(),
     };
-    let folder = OutputFolder::create_new(out)?;
     atomic::write(&folder.file("scene.toml"), toml::to_string(scene)?.as_bytes())?;
     stl::write(&folder.file("surface.stl"), &shape.surface)?;
     csv::write(&folder.file("path.csv"), &rows)?;
@@ -138,8 +147,9 @@ pub(super) fn run(
     write_watches(folder.path(), watches())?;
     write_pictures(folder.path(), "path", &shape.surface, &shape.model, &walked.points)?;
     write_json(&folder.file("summary.json"), &summary)?;
+    lock.remove();
     say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });
-    Ok(())
+    Ok(End::of(&walked))
 }
 
 impl Summary<'_> {

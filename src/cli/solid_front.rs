@@ -5,16 +5,13 @@
 //! promoted where  s(c) < 1 + largest gain of a solid over its shell,  those with the least s first
 //! ```
 
-use std::path::Path;
-
 use anyhow::Context;
 
-use super::certify::{Design, Row, certified};
+use super::certify::{CertifiedRows, Certifying, Design, Row};
 use super::run_folder::Record;
-use super::solid_part::SolidSection;
 use crate::batch::Threads;
 use crate::evolve::IndividualId;
-use crate::fitness::{CandidateSettings, Outcome};
+use crate::fitness::Outcome;
 use crate::genome::Genome;
 
 /// What the second stage found.
@@ -28,15 +25,13 @@ pub(super) struct SolidFront {
 }
 
 impl SolidFront {
-    /// Certifies the `front` of a search and what its solids promote among the `records`, into folders under `folder`.
+    /// Certifies the `front` of a search and what its solids promote among the `records`; nothing where that was stopped.
     pub(super) fn new(
         front: &[IndividualId],
         records: &[Record],
-        settings: &CandidateSettings,
-        section: &SolidSection,
-        folder: &Path,
+        certifying: &Certifying<'_>,
         executor: &Threads,
-    ) -> anyhow::Result<Self> {
+    ) -> anyhow::Result<Option<Self>> {
         let design = |record: &Record| {
             let genome = Genome::try_from(record.genome.clone())?;
             anyhow::Ok(Design { name: record.id.to_string(), network: genome.decode() })
@@ -46,7 +41,11 @@ impl SolidFront {
             design(record.with_context(|| format!("candidates.jsonl lacks {id}"))?)
         };
         let designs = front.iter().map(of).collect::<anyhow::Result<Vec<_>>>()?;
-        let mut rows = certified(&designs, settings, section, folder, executor)?;
+        let certified = |designs: &[Design]| {
+            let CertifiedRows { rows, is_complete } = certifying.rows(designs, executor)?;
+            anyhow::Ok(is_complete.then_some(rows))
+        };
+        let Some(mut rows) = certified(&designs)? else { return Ok(None) };
         let of_front = rows.len();
         let others: Vec<(&Record, [f64; 2])> = records
             .iter()
@@ -61,9 +60,10 @@ impl SolidFront {
             .into_iter()
             .map(|other| design(others[other].0))
             .collect::<anyhow::Result<Vec<_>>>()?;
-        rows.extend(certified(&designs, settings, section, folder, executor)?);
+        let Some(promoted) = certified(&designs)? else { return Ok(None) };
+        rows.extend(promoted);
         let front = front_of(&rows);
-        Ok(Self { rows, of_front, front })
+        Ok(Some(Self { rows, of_front, front }))
     }
 }
 

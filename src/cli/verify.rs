@@ -27,7 +27,7 @@ use crate::mesh::ShellElement;
 use crate::report::{
     ErrorCurve, ErrorPoint, JudgedError, OverviewRow, error_svg, overview_svg, png,
 };
-use crate::solve::Backend;
+use crate::solve::{Backend, Stop};
 
 /// What to run.
 pub(super) struct Selection {
@@ -232,7 +232,7 @@ fn measure(
     let start = cpu_seconds();
     let source = scene.part.source(Path::new("verify/shells/case.toml"), &BuiltIn)?;
     let mut shape = Shape::new(&scene, &source)?;
-    let measured = shape.measure(&scene, solver, start)?;
+    let measured = shape.measure(&scene, solver, start, Stop::NEVER)?;
     if measured.walked.points.is_empty() {
         bail!("not stable at rest: {}", measured.walked.ending.name().replace('_', " "));
     }

@@ -23,7 +23,7 @@ use crate::batch::{Executor, Next, Serial};
 use crate::io::{OutputFolder, csv};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
-use crate::solve::{Backend, Programme, Supply};
+use crate::solve::{Backend, Programme, Stop, Supply};
 
 /// What to run.
 pub(super) struct Selection {
@@ -185,7 +185,7 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
         Ok(made) => made,
         Err(error) => return without_path(REJECTED, format!("{error:#}")),
     };
-    match shape.measure(&scene, solver, start) {
+    match shape.measure(&scene, solver, start, Stop::NEVER) {
         Ok(mut measured) => Ran {
             ending: measured.walked.ending.name().to_owned(),
             message: None,

@@ -1,13 +1,13 @@
 //! From a network to its outcome: all rooms in a row.
 
 use super::evaluate::{FitnessSettings, LoadSettings, Scenarios, evaluate};
-use super::outcome::{Outcome, StageSeconds};
+use super::outcome::{Outcome, StageSeconds, Unevaluated};
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
 use crate::genome::Network;
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use crate::model::material::Material;
-use crate::solve::{Backend, SolverFailure};
+use crate::solve::{Backend, SolverFailure, Stop};
 
 /// Everything that decides a candidate's outcome besides its network.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +82,25 @@ pub fn evaluate_network(
     network: &Network,
     settings: &CandidateSettings,
 ) -> Result<Candidate, SolverFailure> {
+    match evaluate_network_until(network, settings, Stop::NEVER) {
+        Ok(candidate) => Ok(candidate),
+        Err(Unevaluated::Failed(failure)) => Err(failure),
+        Err(Unevaluated::Stopped) => unreachable!("nobody wants it to end"),
+    }
+}
+
+/// As [`evaluate_network`], until `stop` wants it to end.
+///
+/// # Errors
+/// [`Unevaluated`] when a library fails, or it was stopped.
+pub fn evaluate_network_until(
+    network: &Network,
+    settings: &CandidateSettings,
+    stop: Stop<'_>,
+) -> Result<Candidate, Unevaluated> {
+    if stop.is_wanted() {
+        return Err(Unevaluated::Stopped);
+    }
     let start = cpu_seconds();
     let shell = shell_of_network(network, settings);
     let mut seconds = StageSeconds { meshing: cpu_seconds() - start, ..Default::default() };
@@ -96,7 +115,7 @@ pub fn evaluate_network(
         Err(reason) => return Ok(rejected(reason, None, seconds)),
     };
     let CandidateSettings { material, load, fitness, backend, .. } = settings;
-    let evaluated = evaluate(&mesh, material, load, fitness, *backend)?;
+    let evaluated = evaluate(&mesh, material, load, fitness, *backend, stop)?;
     let total = cpu_seconds() - start;
     match evaluated {
         Err(reason) => {

@@ -11,15 +11,14 @@ use super::exploit::{Exploit, exploits, flags};
 use super::further::{FurtherObjective, Reading};
 use super::objective::{bending, bending_samples, blocking, blocking_samples, figure_of_merit};
 use super::observation::{Observation, observations};
+use super::outcome::Unevaluated;
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::ShellMesh;
 use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
 use crate::model::system::System;
 use crate::model::{DEFAULT_STRETCH_BOUND, PartModel, Support};
-use crate::solve::{
-    Backend, Ending, Path, PathPoint, PathSettings, SolveTimes, SolverFailure, follow, follow_from,
-};
+use crate::solve::{Backend, Ending, Path, PathPoint, PathSettings, SolveTimes, Stop, follow_from};
 
 /// The loading programme.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -130,20 +129,21 @@ pub struct Scenarios {
     pub times: SolveTimes,
 }
 
-/// Walks both scenarios on `mesh`.
+/// Walks both scenarios on `mesh`, until `stop` wants that to end.
 ///
 /// # Errors
-/// [`SolverFailure`] when a library fails. A design that fails is the inner [`Rejected`].
+/// [`Unevaluated`] when a library fails, or it was stopped. A design that fails is the inner [`Rejected`].
 pub fn evaluate(
     mesh: &ShellMesh,
     material: &Material,
     load: &LoadSettings,
     fitness: &FitnessSettings,
     backend: Backend,
-) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
+    stop: Stop<'_>,
+) -> Result<Result<(Evaluation, Scenarios), Rejected>, Unevaluated> {
     let plane = fitness.plane(load.pressure);
     match PartModel::new(mesh, material, &Support::Clamp, &[plane]) {
-        Ok(model) => evaluate_model(mesh, model, load, fitness, backend),
+        Ok(model) => evaluate_model(mesh, model, load, fitness, backend, stop),
         Err(rejected) => Ok(Err(rejected)),
     }
 }
@@ -158,11 +158,17 @@ pub fn evaluate_model(
     load: &LoadSettings,
     fitness: &FitnessSettings,
     backend: Backend,
-) -> Result<Result<(Evaluation, Scenarios), Rejected>, SolverFailure> {
+    stop: Stop<'_>,
+) -> Result<Result<(Evaluation, Scenarios), Rejected>, Unevaluated> {
     model.set_stretch_bound(load.stretch_bound);
     let mut solver = backend.solver(model.pattern())?;
     model.lift_planes(true);
-    let free = follow(&mut model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
+    let solver = solver.as_mut();
+    let mut walked = |model: &mut PartModel, points, step| {
+        let path = follow_from(model, &mut *solver, load.pressure, points, step, &load.path, stop)?;
+        if path.ending == Ending::Interrupted { Err(Unevaluated::Stopped) } else { Ok(path) }
+    };
+    let free = walked(&mut model, Vec::new(), f64::INFINITY)?;
     if let Some(rejected) = cut_short(&free, load.pressure, "bending") {
         return Ok(Err(rejected));
     }
@@ -175,7 +181,7 @@ pub fn evaluate_model(
             let common = free.points[..first].to_vec();
             let onto_plane = |last: &PathPoint| free.points[first].drive - last.drive;
             let step = common.last().map_or(f64::INFINITY, |last| ONTO_PLANE * onto_plane(last));
-            follow_from(&mut model, solver.as_mut(), load.pressure, common, step, &load.path)?
+            walked(&mut model, common, step)?
         }
     };
     if let Some(rejected) = cut_short(&blocked, load.pressure, "blocking") {

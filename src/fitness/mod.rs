@@ -11,7 +11,9 @@ mod objective;
 mod observation;
 mod outcome;
 
-pub use candidate::{Candidate, CandidateSettings, evaluate_network, shell_of_network};
+pub use candidate::{
+    Candidate, CandidateSettings, evaluate_network, evaluate_network_until, shell_of_network,
+};
 pub use evaluate::{
     Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate, evaluate_model,
 };
@@ -20,4 +22,4 @@ pub use fidelity::{Certificate, FidelitySettings, Verdict};
 pub use further::{FurtherObjective, Reading, Sense, UnknownObjective};
 pub use objective::{bending, blocking, figure_of_merit};
 pub use observation::{Observation, observations, stability};
-pub use outcome::{Outcome, StageSeconds};
+pub use outcome::{Outcome, StageSeconds, Unevaluated};

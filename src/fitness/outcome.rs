@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Evaluation;
 use crate::math::{Rejected, Room};
+use crate::solve::SolverFailure;
 
 /// CPU seconds of one candidate by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -24,6 +25,17 @@ impl StageSeconds {
     pub fn total(&self) -> f64 {
         self.meshing + self.assembly + self.factorization + self.rest
     }
+}
+
+/// Why a design has no outcome; it says nothing about the design.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unevaluated {
+    /// A library failed.
+    #[error(transparent)]
+    Failed(#[from] SolverFailure),
+    /// Somebody wanted the evaluation to end.
+    #[error("the evaluation was stopped")]
+    Stopped,
 }
 
 /// The result of evaluating a candidate.

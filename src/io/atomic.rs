@@ -11,6 +11,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::OutputError;
+use super::lock::{self, FolderLock};
 
 /// Writes `bytes` as the file `path`, replacing an older one in one step.
 ///
@@ -41,6 +42,29 @@ fn neighbour(path: &Path) -> io::Result<PathBuf> {
     Ok(path.with_file_name(hidden))
 }
 
+/// Whether a file of this name is one that [`write`] had not finished when it was killed.
+pub(super) fn is_unfinished(name: &str) -> bool {
+    let parts = name.strip_prefix('.').and_then(|name| name.strip_suffix(".tmp")?.rsplit_once('.'));
+    parts.is_some_and(|(name, process)| !name.is_empty() && process.parse::<u32>().is_ok())
+}
+
+/// Removes from `folder` what killed processes had not finished writing; only its one owner may.
+///
+/// # Errors
+/// [`OutputError::Write`] when the file system refuses.
+pub fn clear_unfinished(folder: &Path) -> Result<(), OutputError> {
+    let cleared = || -> io::Result<()> {
+        for entry in fs::read_dir(folder)? {
+            let entry = entry?;
+            if is_unfinished(&entry.file_name().to_string_lossy()) {
+                fs::remove_file(entry.path())?;
+            }
+        }
+        Ok(())
+    };
+    cleared().map_err(|source| OutputError::write(folder, source))
+}
+
 /// Makes the rename itself survive a power cut.
 fn sync_folder(path: &Path) -> io::Result<()> {
     let folder = match path.parent() {
@@ -48,6 +72,11 @@ fn sync_folder(path: &Path) -> io::Result<()> {
         _ => Path::new("."),
     };
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}
+
+/// Whether `path` is a folder in which a killed run had not begun to write.
+fn is_left_empty(path: &Path) -> bool {
+    path.is_dir() && lock::is_blank(path).unwrap_or(false)
 }
 
 /// The folder that one run writes into.
@@ -75,6 +104,35 @@ impl OutputFolder {
         }
     }
 
+    /// As [`Self::create_new`], for long work: what a killed run left empty is taken too, and nobody else may write into the folder
+    /// while the lock lasts.
+    ///
+    /// # Errors
+    /// As [`Self::create_new`]; [`OutputError::InUse`] when another process has just made it.
+    pub fn claim(path: &Path) -> Result<(Self, FolderLock), OutputError> {
+        let folder = match Self::create_new(path) {
+            Err(OutputError::FolderExists(_)) if is_left_empty(path) => {
+                Self { path: path.to_owned() }
+            }
+            created => created?,
+        };
+        let lock = FolderLock::take(path)?;
+        // Another may have finished in between.
+        if !is_left_empty(path) {
+            return Err(OutputError::FolderExists(path.to_owned()));
+        }
+        clear_unfinished(path)?;
+        Ok((folder, lock))
+    }
+
+    /// Refuses a `path` that [`Self::claim`] would refuse because it is taken: asked before long work.
+    ///
+    /// # Errors
+    /// [`OutputError::FolderExists`] when there is already something of that name, and it is more than what a killed run left empty.
+    pub fn check_unclaimed(path: &Path) -> Result<(), OutputError> {
+        if is_left_empty(path) { Ok(()) } else { Self::check_new(path) }
+    }
+
     /// Refuses a `path` that [`Self::create_new`] would refuse because it is taken: asked before long work.
     ///
     /// # Errors
@@ -91,6 +149,12 @@ impl OutputFolder {
     pub fn remove_if_empty(&self) {
         // A folder with files in it refuses, and is kept.
         let _ = fs::remove_dir(&self.path);
+    }
+
+    /// Gives back what was claimed: the lock, and the folder when nothing was written into it.
+    pub fn give_back(&self, lock: FolderLock) {
+        lock.remove();
+        self.remove_if_empty();
     }
 
     /// Opens the folder of an earlier run.
@@ -163,6 +227,27 @@ mod tests {
         fs::create_dir(&taken).unwrap();
         assert!(write(&taken, b"x").is_err());
         assert_eq!(names(folder.path()), ["taken"]);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_empty_is_claimed_by_one() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("run");
+        fs::create_dir(&path).unwrap();
+        fs::write(path.join(".lock"), "").unwrap();
+        fs::write(path.join(".run.toml.4711.tmp"), "half").unwrap();
+        OutputFolder::check_unclaimed(&path).unwrap();
+        let (folder, lock) = OutputFolder::claim(&path).unwrap();
+        assert_eq!(names(&path), [".lock"]);
+        assert!(matches!(OutputFolder::claim(&path), Err(OutputError::InUse(_))));
+        fs::write(folder.file("run.toml"), "").unwrap();
+        drop(lock);
+        assert!(matches!(OutputFolder::claim(&path), Err(OutputError::FolderExists(_))));
+        assert!(OutputFolder::check_unclaimed(&path).is_err());
+        // A file of somebody's that is hidden too is no leftover of ours.
+        for name in [".lock.tmp", ".tmp", ".a.b.tmp", ".profile", "a.1.tmp"] {
+            assert!(!is_unfinished(name), "{name}");
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{InputError, OutputError, atomic};
+use super::{InputError, OutputError, atomic, checksum, input};
 
 /// A state read from a checkpoint.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +45,7 @@ where
         format: FORMAT.to_owned(),
         version: VERSION,
         generation,
-        checksum: format!("{:016x}", checksum(&body)),
+        checksum: checksum::written(&body),
     };
     let mut bytes = serde_json::to_vec(&header).map_err(unwritable)?;
     bytes.push(b'\n');
@@ -68,23 +68,37 @@ where
 pub fn load_latest<T: DeserializeOwned>(
     folder: &Path,
 ) -> Result<Option<Checkpoint<T>>, InputError> {
+    match load_usable(folder)? {
+        Ok(checkpoint) => Ok(Some(checkpoint)),
+        Err(damaged) if damaged.is_empty() => Ok(None),
+        Err(damaged) => {
+            let reasons: Vec<_> = damaged.iter().map(ToString::to_string).collect();
+            let what = format!("no usable checkpoint: {}", reasons.join("; "));
+            Err(InputError::new(folder, what))
+        }
+    }
+}
+
+/// The newest usable checkpoint in `folder`, or why those that are there cannot be used, newest first.
+///
+/// # Errors
+/// [`InputError`] when the folder cannot be read.
+pub fn load_usable<T: DeserializeOwned>(
+    folder: &Path,
+) -> Result<Result<Checkpoint<T>, Vec<InputError>>, InputError> {
     let generations = generations(folder).map_err(|e| InputError::unreadable(folder, &e))?;
     let mut damaged = Vec::new();
     for generation in generations {
         match load(&file(folder, generation)) {
-            Ok(state) => return Ok(Some(Checkpoint { generation, state, damaged })),
+            Ok(state) => return Ok(Ok(Checkpoint { generation, state, damaged })),
             Err(error) => damaged.push(error),
         }
     }
-    if damaged.is_empty() {
-        return Ok(None);
-    }
-    let reasons: Vec<_> = damaged.iter().map(ToString::to_string).collect();
-    Err(InputError::new(folder, format!("no usable checkpoint: {}", reasons.join("; "))))
+    Ok(Err(damaged))
 }
 
 fn load<T: DeserializeOwned>(path: &Path) -> Result<T, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let bytes = input::bytes(path, input::DATA)?;
     let invalid = |what: &str| InputError::new(path, what);
     let end = bytes.iter().position(|&byte| byte == b'\n').ok_or_else(|| invalid("no header"))?;
     let header: Header = serde_json::from_slice(&bytes[..end])
@@ -94,7 +108,7 @@ fn load<T: DeserializeOwned>(path: &Path) -> Result<T, InputError> {
         return Err(invalid(&format!("is {format} version {version}, not {FORMAT} {VERSION}")));
     }
     let body = bytes[end + 1..].strip_suffix(b"\n").ok_or_else(|| invalid("is cut off"))?;
-    if header.checksum != format!("{:016x}", checksum(body)) {
+    if header.checksum != checksum::written(body) {
         return Err(invalid("the checksum does not fit the state"));
     }
     serde_json::from_slice(body).map_err(|error| invalid(&format!("the state: {error}")))
@@ -129,13 +143,6 @@ fn generations(folder: &Path) -> std::io::Result<Vec<u64>> {
     }
     generations.sort_unstable_by(|a, b| b.cmp(a));
     Ok(generations)
-}
-
-/// FNV-1a, 64 bit (Fowler, Noll and Vo).
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
 }
 
 #[cfg(test)]
@@ -210,14 +217,6 @@ mod tests {
         let error = save(folder.path(), 1, &broken).unwrap_err();
         assert!(matches!(error, OutputError::Unwritable { .. }), "{error}");
         assert_eq!(generations(folder.path()).unwrap(), [0_u64; 0]);
-    }
-
-    #[test]
-    fn the_checksum_is_fnv_1a() {
-        // Test vectors of the authors' reference code.
-        assert_eq!(checksum(b""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(checksum(b"a"), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(checksum(b"foobar"), 0x8594_4171_f739_67e8);
     }
 
     proptest! {

@@ -53,6 +53,9 @@ pub enum OutputError {
     /// The folder of an earlier run is not there.
     #[error("there is no folder {}", .0.display())]
     FolderMissing(PathBuf),
+    /// Another process writes into the folder.
+    #[error("{} is in use by another process; wait for its end, or choose another folder", .0.display())]
+    InUse(PathBuf),
     /// The file system refused.
     #[error("cannot write {}: {}", path.display(), reason(cause))]
     Write {

@@ -63,9 +63,12 @@ impl TetMesher for Gmsh {
         mesher::write(&file("wall.geo"), &self.geometry(interior))?;
         let arguments =
             ["-3", "wall.geo", "-o", "filled.msh", "-format", "msh41", "-bin", "-nt", "1"];
-        mesher::run(&self.program, "gmsh", &arguments, folder.path(), &self.limits)?;
-        let raw = msh::parse(&mesher::read(&file("filled.msh"))?);
-        Ok(raw.map_err(MesherFailure::Unreadable)?.numbered()?.mesh)
+        let run = mesher::run(&self.program, "gmsh", &arguments, folder.path(), &self.limits);
+        let answer = || {
+            let raw = msh::parse(&mesher::read(&file("filled.msh"))?);
+            Ok(raw.map_err(MesherFailure::Unreadable)?.numbered()?.mesh)
+        };
+        mesher::unless_full(folder.path(), run.and_then(|()| answer()))
     }
 }
 

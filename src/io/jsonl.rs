@@ -1,6 +1,13 @@
 //! Logs that grow: one JSON value a line, each line on the disk's way as soon as it is appended.
 //!
 //! A killed run leaves at most one unfinished line, the last: reading leaves it out, opening cuts it off.
+//!
+//! ```text
+//! {"id":"g000-001", ... ,"checksum":"af63dc4c8601ec8c"}      of the line without its last key, as it was first written
+//! ```
+//!
+//! A line that holds another value than was written does not pass. Logs of earlier versions have no checksums, and are read as they
+//! are; behind the first line that has one, every line must.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
@@ -9,7 +16,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::{InputError, OutputError, atomic};
+use super::{InputError, OutputError, atomic, checksum, input};
 
 /// A JSON-lines file open for appending.
 #[derive(Debug)]
@@ -67,40 +74,69 @@ pub fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), OutputError> {
 /// The finished lines of the log `path`.
 ///
 /// # Errors
-/// [`InputError`] when the file cannot be read, or a finished line does not fit `T`; with the line.
+/// [`InputError`] when the file cannot be read, or a finished line is damaged or does not fit `T`; with the line.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
-    let finished = &bytes[..finished_length(&bytes)];
-    let mut rows = Vec::new();
-    for (i, line) in finished.split_inclusive(|&byte| byte == b'\n').enumerate() {
-        let row = serde_json::from_slice(line)
-            .map_err(|error| InputError::at_line(path, i + 1, error.to_string()))?;
-        rows.push(row);
-    }
-    Ok(rows)
+    let (rows, damaged) = read_what_fits(path)?;
+    damaged.into_iter().next().map_or(Ok(rows), Err)
 }
 
-/// The finished lines of the log `path` that fit `T`, and how many do not.
+/// The finished lines of the log `path` that are whole and fit `T`, and what is wrong with each of the others.
 ///
-/// For a look at a log that may be damaged, or not ours at all: [`read`] is for what must be whole.
+/// For a log that may be damaged, or not ours at all: [`read`] is for what must be whole.
 ///
 /// # Errors
 /// [`InputError`] when the file cannot be read.
-pub fn read_what_fits<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, usize), InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+pub fn read_what_fits<T: DeserializeOwned>(
+    path: &Path,
+) -> Result<(Vec<T>, Vec<InputError>), InputError> {
+    let bytes = input::bytes(path, input::DATA)?;
     let finished = &bytes[..finished_length(&bytes)];
-    let (mut rows, mut damaged) = (Vec::new(), 0);
-    for line in finished.split_inclusive(|&byte| byte == b'\n') {
-        match serde_json::from_slice(line) {
+    let (mut rows, mut damaged) = (Vec::new(), Vec::new());
+    let mut wants_checksum = false;
+    for (line, number) in finished.split_inclusive(|&byte| byte == b'\n').zip(1..) {
+        let parsed = checked(&line[..line.len() - 1], &mut wants_checksum)
+            .and_then(|line| serde_json::from_slice(&line).map_err(|error| error.to_string()));
+        match parsed {
             Ok(row) => rows.push(row),
-            Err(_) => damaged += 1,
+            Err(what) => damaged.push(InputError::at_line(path, number, what)),
         }
     }
     Ok((rows, damaged))
 }
 
+const KEY: &[u8] = b",\"checksum\":\"";
+const DIGITS: usize = 16;
+/// Of the key, its value, a quote and a brace.
+const TAIL: usize = KEY.len() + DIGITS + 2;
+
+/// A line as it was before its checksum was added.
+fn checked(line: &[u8], wants_checksum: &mut bool) -> Result<Vec<u8>, String> {
+    let tail = line.len().checked_sub(TAIL).map(|at| line.split_at(at));
+    let Some((body, tail)) = tail.filter(|(_, tail)| tail.starts_with(KEY)) else {
+        if *wants_checksum {
+            return Err("has no checksum, unlike the lines before it".to_owned());
+        }
+        return Ok(line.to_vec());
+    };
+    *wants_checksum = true;
+    let body = [body, b"}"].concat();
+    let expected = checksum::written(&body);
+    if &tail[KEY.len()..] == format!("{expected}\"}}").as_bytes() {
+        Ok(body)
+    } else {
+        Err("the checksum does not fit the line".to_owned())
+    }
+}
+
 fn line<T: Serialize>(row: &T, path: &Path) -> Result<Vec<u8>, OutputError> {
     let mut line = serde_json::to_vec(row).map_err(|e| OutputError::unwritable(path, &e))?;
+    if line.ends_with(b"}") && line != b"{}" {
+        let checksum = checksum::written(&line);
+        line.pop();
+        line.extend(KEY);
+        line.extend(checksum.bytes());
+        line.extend(b"\"}");
+    }
     line.push(b'\n');
     Ok(line)
 }
@@ -150,8 +186,41 @@ mod tests {
         write(&path, &[row(0)]).unwrap();
         JsonLog::open(&path).unwrap().append(&"not a row").unwrap();
         assert_eq!(read::<Row>(&path).unwrap_err().line, Some(2));
-        assert_eq!(read_what_fits::<Row>(&path).unwrap(), (vec![row(0)], 1));
+        let (rows, damaged) = read_what_fits::<Row>(&path).unwrap();
+        assert_eq!((rows, damaged[0].line), (vec![row(0)], Some(2)));
         write(&path, &[row(7), row(8)]).unwrap();
         assert_eq!(read::<Row>(&path).unwrap(), [row(7), row(8)]);
+    }
+
+    /// No byte of a line can be another without being noticed, but for what JSON does not count (blanks are not written).
+    #[test]
+    fn a_changed_byte_is_named_by_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.jsonl");
+        write(&path, &[row(0), row(1), row(2)]).unwrap();
+        let whole = fs::read(&path).unwrap();
+        let first = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
+        let second = whole[first..].iter().position(|&byte| byte == b'\n').unwrap();
+        for at in first..first + second {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 1;
+            fs::write(&path, bytes).unwrap();
+            let (rows, damaged) = read_what_fits::<Row>(&path).unwrap();
+            assert_eq!((rows, damaged[0].line), (vec![row(0), row(2)], Some(2)), "byte {at}");
+        }
+    }
+
+    #[test]
+    fn lines_of_earlier_versions_have_no_checksum() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.jsonl");
+        let old = "{\"generation\":0,\"hypervolume\":0.3333333333333333}\n";
+        fs::write(&path, old).unwrap();
+        JsonLog::open(&path).unwrap().append(&row(1)).unwrap();
+        assert_eq!(read::<Row>(&path).unwrap(), [row(0), row(1)]);
+        let both = fs::read_to_string(&path).unwrap();
+        assert!(both.starts_with(old) && both.ends_with("\"}\n"), "{both}");
+        fs::write(&path, both + old).unwrap();
+        assert_eq!(read::<Row>(&path).unwrap_err().line, Some(3));
     }
 }

@@ -1,5 +1,6 @@
 //! What the programs that make tetrahedra have in common: a folder of their own, limits, and ways to fail.
 
+use std::io::Write;
 use std::path::Path;
 
 use super::child::{self, Ending, Finished, Limits};
@@ -33,6 +34,51 @@ pub(super) fn run(
         Ending::Signalled(signal) => Err(MesherFailure::Crashed { signal, words }),
     }
 }
+
+/// The `answer` of a mesher in `folder`; a failure in a folder into which nothing more can be written is the machine's.
+///
+/// A program may not notice that its file was cut short, or call it anything: so the folder is tried.
+///
+/// # Errors
+/// [`MesherFailure::Machine`] instead of a failure of its own.
+pub(super) fn unless_full<Answer>(
+    folder: &Path,
+    answer: Result<Answer, MesherFailure>,
+) -> Result<Answer, MesherFailure> {
+    let failure = match answer {
+        Ok(_) | Err(MesherFailure::Machine(_) | MesherFailure::TimedOut { .. }) => return answer,
+        Err(failure) => failure,
+    };
+    let says_so = match &failure {
+        MesherFailure::Refused { words, .. } | MesherFailure::Crashed { words, .. } => {
+            ["no space left", "disk quota exceeded"]
+                .iter()
+                .any(|no| words.to_lowercase().contains(no))
+        }
+        _ => false,
+    };
+    let full = |why: &str| {
+        let what = format!("no room for a mesher's files in {}: {why}", folder.display());
+        Err(MesherFailure::Machine(what))
+    };
+    match takes_bytes(folder) {
+        Err(error) => full(&reason(&error)),
+        Ok(()) if says_so => full("its disk or quota was full"),
+        Ok(()) => Err(failure),
+    }
+}
+
+/// Tries to write as much as the rest of a mesher's file may have been.
+fn takes_bytes(folder: &Path) -> std::io::Result<()> {
+    let path = folder.join("room");
+    let mut file = std::fs::File::create(&path)?;
+    file.write_all(&[0; ROOM])?;
+    file.sync_all()?;
+    std::fs::remove_file(path)
+}
+
+/// Bytes: of the files of some thousand tetrahedra.
+const ROOM: usize = 1 << 18;
 
 /// How the C++ library, TetGen and the shell's tools say that there is no more memory.
 fn tells_of_memory(words: &str) -> bool {
@@ -83,6 +129,32 @@ mod tests {
     use crate::io::tetgen::TetGen;
     use crate::mesh::tetrahedra::test_walls::spheres;
     use crate::mesh::tetrahedra::{AttemptFailure, TetSettings, filled_wall};
+
+    /// A full disk is not the wall's fault: not where the program says so, and not where a file ends too early.
+    #[test]
+    fn a_full_disk_is_a_fault_of_the_machine() {
+        let home = tempfile::tempdir().unwrap();
+        let refused = || MesherFailure::Refused {
+            code: 1,
+            words: "wall.1.ele: No space left on device".to_owned(),
+        };
+        let told = unless_full::<()>(home.path(), Err(refused())).unwrap_err();
+        let room = home.path().display();
+        assert_eq!(
+            told,
+            MesherFailure::Machine(format!(
+                "no room for a mesher's files in {room}: its disk or quota was full"
+            ))
+        );
+        // A folder that takes nothing, for a file that stops in the middle.
+        let gone = home.path().join("gone");
+        let cut = || MesherFailure::Unreadable("wall.1.ele: row 7 of 9 cannot be read".to_owned());
+        let told = unless_full::<()>(&gone, Err(cut())).unwrap_err();
+        assert!(matches!(told, MesherFailure::Machine(_)), "{told}");
+        // Where there is room, it is the mesher's failure, and nothing is left behind.
+        assert_eq!(unless_full::<()>(home.path(), Err(cut())), Err(cut()));
+        assert_eq!(fs::read_dir(home.path()).unwrap().count(), 0);
+    }
 
     /// Each stand-in for a mesher costs its one failure; the true one behind it does the work, and no folder is left.
     #[test]

@@ -1,17 +1,20 @@
 //! Files: what is read from a person, and what is written so that a killed run leaves nothing half done.
 //!
 //! Every error of this module displays as one line that names the file.
-//! Files are written whole or not at all ([`atomic::write`]); only JSON-lines logs grow in place.
+//! What a user gives is read through [`input`] alone. Files are written whole or not at all ([`atomic::write`]); only JSON-lines logs grow in place.
 
 pub mod atomic;
 pub mod calculix;
 pub mod checkpoint;
+pub mod checksum;
 pub mod child;
 pub mod csv;
 mod error;
 pub mod febio;
 pub mod gmsh;
+pub mod input;
 pub mod jsonl;
+mod lock;
 mod mesher;
 pub mod msh;
 mod raw_solid;
@@ -25,4 +28,5 @@ pub mod vtu_solid;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};
+pub use lock::FolderLock;
 pub use solid_case::SolidCase;

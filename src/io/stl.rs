@@ -5,11 +5,10 @@
 //! What is read is not checked for being closed or for facing outward.
 
 use std::collections::HashMap;
-use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use super::{InputError, OutputError, atomic};
+use super::{InputError, OutputError, atomic, input};
 use crate::math::Vec3;
 use crate::surface::TriangleMesh;
 
@@ -25,7 +24,7 @@ pub const WELD_TOLERANCE: f64 = 1e-5;
 /// # Errors
 /// [`InputError`] when the file cannot be read, is not one STL solid, or has no triangle or a coordinate that is not finite.
 pub fn read(path: &Path, weld: f64) -> Result<TriangleMesh, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let bytes = input::bytes(path, input::DATA)?;
     parse(bytes, path, weld)
 }
 
@@ -186,6 +185,8 @@ fn without_unused(mesh: TriangleMesh) -> TriangleMesh {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     /// A cube of edge 10 mm, facing outward.

@@ -52,8 +52,8 @@ impl TetMesher for TetGen {
         let TetSettings { radius_edge, dihedral_max, .. } = settings;
         let switches = format!("-pq{radius_edge}o/{dihedral_max}YQ");
         let arguments = [switches.as_str(), "wall.smesh"];
-        mesher::run(&self.program, "tetgen", &arguments, folder.path(), &self.limits)?;
-        answer(folder.path())
+        let run = mesher::run(&self.program, "tetgen", &arguments, folder.path(), &self.limits);
+        mesher::unless_full(folder.path(), run.and_then(|()| answer(folder.path())))
     }
 }
 

@@ -6,19 +6,18 @@
 //!
 //! The struct must say `#[serde(deny_unknown_fields)]` for unknown keys to be faults.
 
-use std::fs;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
-use super::InputError;
+use super::{InputError, input};
 
 /// The contents of the TOML file `path`.
 ///
 /// # Errors
 /// [`InputError`] when the file cannot be read, is not TOML, or does not fit `T`; with the line.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, InputError> {
-    let text = fs::read_to_string(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let text = input::text(path, input::SETTINGS)?;
     parse(&text, path)
 }
 
@@ -88,6 +87,8 @@ fn nearest<'a>(unknown: &str, known: &[&'a str]) -> Option<&'a str> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use serde::Deserialize;
 
     use super::*;

@@ -5,7 +5,6 @@
 //! all parts of the boundary within another. Source: VTK file formats, "XML file formats".
 
 use std::collections::HashSet;
-use std::fs;
 use std::io::Read;
 use std::path::Path;
 
@@ -13,8 +12,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use roxmltree::{Document, Node};
 
-use super::InputError;
 use super::raw_solid::RawSolid;
+use super::{InputError, input};
 use crate::math::Vec3;
 use crate::mesh::SolidMesh;
 
@@ -25,7 +24,7 @@ use crate::mesh::SolidMesh;
 /// # Errors
 /// [`InputError`] when the file cannot be read, is not such a grid, or its tetrahedra do not fit together.
 pub fn read(path: &Path) -> Result<SolidMesh, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let bytes = input::bytes(path, input::DATA)?;
     let solid = raw_solid(&bytes).and_then(|raw| raw.solid());
     solid.map_err(|what| InputError::new(path, what))
 }

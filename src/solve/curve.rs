@@ -50,10 +50,8 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
                 }
             }
             Err(missed)
-                if matches!(
-                    missed.ending,
-                    Ending::BudgetSpent | Ending::Ballooning | Ending::SelfTouch
-                ) =>
+                if missed.ending.is_given_up()
+                    || matches!(missed.ending, Ending::Ballooning | Ending::SelfTouch) =>
             {
                 return Ok(missed.ending);
             }
@@ -99,6 +97,9 @@ impl Arc {
         loop {
             if walk.spent > walk.settings.iteration_budget {
                 return Ok(Ending::BudgetSpent);
+            }
+            if walk.stop.is_wanted() {
+                return Ok(Ending::Interrupted);
             }
             let stepped = self.step(walk)?.filter(|point| walk.resolves(point));
             let Some(point) = stepped else {

@@ -27,6 +27,8 @@ pub enum Ending {
     Stalled,
     /// The budget of iterations was spent.
     BudgetSpent,
+    /// Somebody wanted it to end: a signal, or a time limit.
+    Interrupted,
 }
 
 impl Ending {
@@ -43,6 +45,7 @@ impl Ending {
             Self::Inverted => "inverted",
             Self::Stalled => "stalled",
             Self::BudgetSpent => "budget_spent",
+            Self::Interrupted => "interrupted",
         }
     }
 
@@ -61,8 +64,17 @@ impl Ending {
             | Self::LimitPoint
             | Self::Ballooning
             | Self::SelfTouch => true,
-            Self::Unstable | Self::Inverted | Self::Stalled | Self::BudgetSpent => false,
+            Self::Unstable
+            | Self::Inverted
+            | Self::Stalled
+            | Self::BudgetSpent
+            | Self::Interrupted => false,
         }
+    }
+
+    /// Whether it is not for the part that the walk ends: no smaller step helps.
+    pub(super) fn is_given_up(self) -> bool {
+        matches!(self, Self::BudgetSpent | Self::Interrupted)
     }
 
     /// The ending that a failed solve would be, were no smaller step to be tried; `None` where it converged.

@@ -39,6 +39,18 @@ impl Job {
         })
     }
 
+    /// Whether any of its processes says yes; all must ask.
+    ///
+    /// # Errors
+    /// [`SolverFailure`] when MPI fails.
+    pub fn any(self, mine: bool) -> Result<bool, SolverFailure> {
+        #[cfg(feature = "petsc")]
+        if self.ranks > 1 {
+            return super::petsc::any(mine);
+        }
+        Ok(mine)
+    }
+
     /// Ends all its processes where there are several: one that only left would be waited for.
     pub fn abort(self) {
         #[cfg(feature = "petsc")]

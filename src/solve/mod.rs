@@ -27,6 +27,7 @@ mod snap;
 #[cfg(test)]
 mod solver_suite;
 mod stability_loss;
+mod stop;
 mod supply;
 #[cfg(test)]
 mod test_systems;
@@ -46,6 +47,7 @@ pub use path::{Path, PathPoint, PathSettings, Programme, follow, follow_from};
 #[cfg(feature = "petsc")]
 pub use petsc::Snes;
 pub use snap::Snap;
+pub use stop::Stop;
 pub use supply::Supply;
 
 /// When Newton's method stops.

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use super::curve;
 use super::ending::Ending;
 use super::snap::Snap;
+use super::stop::Stop;
 use super::supply::Supply;
 use super::walk::{Walk, fastest};
 use super::{EquilibriumSolver, NewtonSettings, SolverFailure};
@@ -180,10 +181,11 @@ pub fn follow(
     points: Vec<PathPoint>,
     settings: &PathSettings,
 ) -> Result<Path, SolverFailure> {
-    follow_from(system, solver, programme, points, f64::INFINITY, settings)
+    follow_from(system, solver, programme, points, f64::INFINITY, settings, Stop::NEVER)
 }
 
-/// As [`follow`], with `step` of the drive, or less, as the first: one who goes on from another path knows how coarse it was.
+/// As [`follow`], with `step` of the drive, or less, as the first: one who goes on from another path knows how coarse it was. It ends
+/// early where `stop` wants that.
 ///
 /// # Errors
 /// As [`follow`].
@@ -194,6 +196,7 @@ pub fn follow_from(
     points: Vec<PathPoint>,
     step: f64,
     settings: &PathSettings,
+    stop: Stop<'_>,
 ) -> Result<Path, SolverFailure> {
     let programme = programme.into();
     let supply = match programme {
@@ -204,6 +207,7 @@ pub fn follow_from(
         system,
         solver,
         settings,
+        stop,
         supply,
         span: 1.0,
         step,

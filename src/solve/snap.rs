@@ -76,6 +76,9 @@ impl Walk<'_> {
             if self.spent > self.settings.iteration_budget {
                 return Ok(Err(Ending::BudgetSpent));
             }
+            if self.stop.is_wanted() {
+                return Ok(Err(Ending::Interrupted));
+            }
             let mut next = state.clone();
             let report = self.damped_solve(drive, damping, &mut next)?;
             if report.ending != NewtonEnding::Converged {
@@ -110,8 +113,11 @@ impl Walk<'_> {
                     Err(missed) => missed,
                 };
                 match (missed.ending, missed.unstable) {
-                    (Ending::BudgetSpent | Ending::Ballooning | Ending::SelfTouch, _) => {
-                        return Ok(Err(missed.ending));
+                    (ending, _)
+                        if ending.is_given_up()
+                            || matches!(ending, Ending::Ballooning | Ending::SelfTouch) =>
+                    {
+                        return Ok(Err(ending));
                     }
                     (_, Some(saddle)) => state = self.pushed_off(drive, saddle)?,
                     (ending, None) if rests => return Ok(Err(ending)),

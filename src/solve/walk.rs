@@ -7,6 +7,7 @@ use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step, work_between};
 use super::krylov::solve_unsymmetric;
 use super::path::{PathPoint, PathSettings};
+use super::stop::Stop;
 use super::supply::Supply;
 use super::{EquilibriumSolver, NewtonReport, NewtonSettings, SolverFailure};
 use crate::model::system::LoadedSystem;
@@ -16,6 +17,8 @@ pub(super) struct Walk<'a> {
     pub system: &'a mut dyn LoadedSystem,
     pub solver: &'a mut dyn EquilibriumSolver,
     pub settings: &'a PathSettings,
+    /// Asked before each search for an equilibrium.
+    pub stop: Stop<'a>,
     pub supply: Supply,
     /// Of the drive, from rest to the end.
     pub span: f64,
@@ -143,9 +146,7 @@ impl Walk<'_> {
                         return Ok(None);
                     }
                 }
-                Err(Missed { ending: Ending::BudgetSpent, .. }) => {
-                    return Ok(Some(Ending::BudgetSpent));
-                }
+                Err(Missed { ending, .. }) if ending.is_given_up() => return Ok(Some(ending)),
                 unresolved if may_halve => {
                     self.ahead.extend(unresolved);
                     self.system.rewind();
@@ -173,7 +174,7 @@ impl Walk<'_> {
                             }
                         }
                         Err(ending) => {
-                            self.fell = true;
+                            self.fell = ending != Ending::Interrupted;
                             return Ok(Some(ending));
                         }
                     }
@@ -255,6 +256,9 @@ impl Walk<'_> {
         let mut state = guess;
         self.shifted = 0;
         for _ in 0..REFRESHES {
+            if self.stop.is_wanted() {
+                return Ok(Err(Ending::Interrupted.into()));
+            }
             let newton = NewtonSettings { most_shifted, ..self.settings.newton };
             let report = self.solve(drive, &mut state, &newton)?;
             self.shifted += report.shifted;

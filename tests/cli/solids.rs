@@ -1,5 +1,7 @@
 //! Walls as solids: `simulate` with `[solid]` or with tetrahedra of one's own, `certify`, and the solid front of `evolve`.
 
+use std::fs;
+
 use super::workshop::Workshop;
 
 /// The published seed, coarse, under a pressure that bends it by some 10 mm.
@@ -129,6 +131,38 @@ fn certificates_name_both_answers() {
     assert!(sheet["coarser_solid"]["angle"].as_f64().unwrap() > 0.0);
     let row = workshop.column("out/certificates.csv", "angle");
     assert!((row[0] - angle).abs() < 1e-12);
+    certificates_go_on(&workshop);
+}
+
+/// What has ended in the folder `out` is not walked again, by nobody's other settings.
+fn certificates_go_on(workshop: &Workshop) {
+    let table = workshop.read("out/certificates.csv");
+    let arguments = ["certify", "run.toml", "network.toml", "--out", "out"];
+    let resume = [&arguments[..], &["--resume"]].concat();
+    workshop.refuse(&arguments, 1, &["output folder out exists"]);
+    fs::remove_file(workshop.path("out/certificates.csv")).unwrap();
+    workshop.succeed(&resume);
+    assert_eq!(workshop.read("out/certificates.csv"), table, "CPU times included");
+
+    let run = workshop.read("run.toml");
+    workshop.write("run.toml", run.replace("coarser = 1.3", "coarser = 1.4"));
+    workshop.refuse(
+        &resume,
+        1,
+        &["out was made with other settings", "[solid] coarser is 1.4 instead of 1.3"],
+    );
+    workshop.write("run.toml", run);
+    let network = workshop.read("network.toml");
+    workshop.write("network.toml", network.replace("bias = -0.6", "bias = -0.61"));
+    workshop.refuse(&resume, 1, &["out/network/genome.toml is not the design network"]);
+
+    // A design that is stopped in the middle has no row, and is no failure.
+    workshop.write("network.toml", network);
+    fs::remove_file(workshop.path("out/network/row.json")).unwrap();
+    let stopped = workshop.run(&[&resume[..], &["--time-limit", "10ms"]].concat());
+    assert_eq!(stopped.code, 3, "{stopped:?}");
+    assert!(stopped.out.contains("the time is over after 0 of 1 designs"), "{stopped:?}");
+    assert!(!workshop.path("out/network/row.json").exists());
 }
 
 #[test]

@@ -96,7 +96,7 @@ impl Overview {
             warnings.push(format!("{left_out} damaged lines of candidates are left out"));
         }
         let (front, history) = match state {
-            Some(RunState { search, history }) => (front(search)?, history),
+            Some(RunState { search, history, .. }) => (front(search)?, history),
             None => (Vec::new(), Vec::new()),
         };
         let (generation, generations) = (history.len(), run.evolution.generations);
@@ -152,7 +152,7 @@ pub(super) fn read_records(path: &Path) -> anyhow::Result<(Vec<Record>, usize)> 
         // A run removes the second between two looks.
         if let Ok((rows, left_out)) = jsonl::read_what_fits(&file) {
             records.extend::<Vec<Record>>(rows);
-            damaged += left_out;
+            damaged += left_out.len();
         }
     }
     let mut met = BTreeSet::new();
@@ -230,6 +230,7 @@ mod tests {
             outcome: Outcome::Rejected(rejected),
             cpu_seconds: StageSeconds { rest: 10.0, ..StageSeconds::default() },
             place: (rank < 2).then_some(Place { rank, ended }),
+            settings: None,
         }
     }
 

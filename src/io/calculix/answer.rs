@@ -7,10 +7,9 @@
 //!
 //! Source: Dhondt, CalculiX CrunchiX user's manual 2.20, "*NODE PRINT"; Wittig, CalculiX GraphiX user's manual, "Result Format".
 
-use std::fs;
 use std::path::Path;
 
-use crate::io::InputError;
+use crate::io::{InputError, input};
 use crate::math::Vec3;
 
 /// The tip at one time.
@@ -36,7 +35,7 @@ pub struct NodalAnswer {
 /// # Errors
 /// [`InputError`] when the file cannot be read or a line is not as above.
 pub fn read_tip(path: &Path) -> Result<Vec<TipAnswer>, InputError> {
-    let text = read(path)?;
+    let text = input::text(path, input::DATA)?;
     let mut answers: Vec<TipAnswer> = Vec::new();
     let mut nodes = 0.0;
     let mut is_tip = false;
@@ -71,7 +70,7 @@ pub fn read_tip(path: &Path) -> Result<Vec<TipAnswer>, InputError> {
 /// # Errors
 /// [`InputError`] when the file cannot be read or a line is not as above.
 pub fn read_nodes(path: &Path) -> Result<Option<NodalAnswer>, InputError> {
-    let text = read(path)?;
+    let text = input::text(path, input::DATA)?;
     let mut time = 0.0;
     let mut answer: Option<NodalAnswer> = None;
     let mut is_displacement = false;
@@ -102,12 +101,10 @@ fn columns(line: &str, from: usize, width: usize) -> Option<f64> {
     line.get(from..from + width)?.trim().parse().ok()
 }
 
-fn read(path: &Path) -> Result<String, InputError> {
-    fs::read_to_string(path).map_err(|error| InputError::unreadable(path, &error))
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn file(text: &str) -> (tempfile::TempDir, std::path::PathBuf) {

@@ -10,11 +10,10 @@ mod tests;
 mod words;
 
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 
 use super::raw_solid::RawSolid;
-use super::{InputError, OutputError, atomic};
+use super::{InputError, OutputError, atomic, input};
 use crate::mesh::SolidMesh;
 
 /// The solid wall of the file `path`, mm; straight edges get their midpoints.
@@ -24,7 +23,7 @@ use crate::mesh::SolidMesh;
 /// # Errors
 /// [`InputError`] when the file cannot be read, is not such a mesh, or its tetrahedra do not fit together.
 pub fn read(path: &Path) -> Result<SolidMesh, InputError> {
-    let bytes = fs::read(path).map_err(|e| InputError::unreadable(path, &e))?;
+    let bytes = input::bytes(path, input::DATA)?;
     let solid = parse(&bytes).and_then(|raw| raw.solid());
     solid.map_err(|what| InputError::new(path, what))
 }

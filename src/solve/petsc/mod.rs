@@ -148,6 +148,11 @@ pub(super) fn receive() -> Result<Option<Message>, SolverFailure> {
     Session::open()?.receive()
 }
 
+/// Whether any process of the job says yes; all must ask.
+pub(super) fn any(mine: bool) -> Result<bool, SolverFailure> {
+    Ok(Session::open()?.any(mine))
+}
+
 /// Ends all processes of the job.
 pub(super) fn abort() {
     library::abort();

@@ -88,6 +88,12 @@ impl Session {
         (count(rank), count(ranks))
     }
 
+    /// Whether any rank says yes.
+    pub(super) fn any(&self, mine: bool) -> bool {
+        // SAFETY: the lock is held, and MPI is running.
+        unsafe { sys::petsc_sys_all(sys::petsc_sys_comm_world(), i32::from(!mine)) == 0 }
+    }
+
     /// Whether all ranks have the same `digest`.
     pub(super) fn is_same(&self, digest: u32) -> bool {
         // SAFETY: the lock is held, and MPI is running.
