@@ -15,6 +15,7 @@ pub mod input;
 pub mod jsonl;
 mod mesher;
 pub mod msh;
+pub mod part_file;
 mod raw_solid;
 mod solid_case;
 pub mod stl;
