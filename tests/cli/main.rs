@@ -4,6 +4,7 @@
 mod decks;
 mod evolve;
 mod export;
+mod hostile_files;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;
