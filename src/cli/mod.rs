@@ -11,6 +11,7 @@ mod evaluations;
 mod evolve;
 mod export;
 mod formula;
+mod inspect;
 mod material;
 mod mesh;
 #[cfg(feature = "monitor")]
@@ -51,6 +52,7 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+pub use self::inspect::{Input, inspect};
 use self::terminal::{narrate, say, warn};
 use self::verify::Selection;
 use self::verify_cases::{CURVES, SHELLS};
