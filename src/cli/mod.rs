@@ -11,6 +11,7 @@ mod evaluations;
 mod evolve;
 mod export;
 mod formula;
+mod inspect;
 mod material;
 mod meaning;
 mod mesh;
@@ -32,6 +33,7 @@ mod simulate_shape;
 mod solid_front;
 mod solid_part;
 mod stability_case;
+mod terminal;
 mod verify;
 mod verify_cases;
 mod verify_compare;
@@ -54,6 +56,8 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+pub use self::inspect::{Input, inspect};
+use self::terminal::{narrate, say, warn};
 use self::verify::Selection;
 use self::verify_cases::{CURVES, SHELLS};
 use self::verify_files::SceneFolder;
@@ -479,24 +483,6 @@ fn on_threads<Answer: Send>(
 
 fn given(path: Option<PathBuf>) -> PathBuf {
     path.expect("clap demands the path unless defaults are printed")
-}
-
-/// Prints `text` for the user; a closed pipe ends the listening, not the work.
-fn say(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
-}
-
-/// Prints `text` for whoever watches, where the answer itself is for a program.
-fn narrate(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{}", text.trim_end());
-}
-
-/// Prints one line about something wrong.
-fn warn(line: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "pneumorph: {line}");
 }
 
 /// An error and its causes in one line; a cause that its effect has told already is not repeated.

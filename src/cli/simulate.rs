@@ -22,7 +22,7 @@ use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, msh, stl, toml_file, vtu_solid};
+use crate::io::{OutputFolder, atomic, msh, part_file, stl, toml_file};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{ShellMesh, SolidMesh};
 use crate::model::system::System;
@@ -209,8 +209,7 @@ impl PartFiles for OnDisk {
     }
 
     fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
-        let is_vtu = path.extension().is_some_and(|extension| extension == "vtu");
-        let mesh = if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? };
+        let mesh = part_file::solid(path)?;
         let overlapping = mesh.overlapping_faces();
         if overlapping > 0 {
             warn(&format!(

@@ -17,6 +17,7 @@ pub mod jsonl;
 mod lock;
 mod mesher;
 pub mod msh;
+pub mod part_file;
 mod raw_solid;
 mod solid_case;
 pub mod stl;

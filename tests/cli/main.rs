@@ -5,6 +5,7 @@ mod decks;
 mod evolve;
 mod export;
 mod interrupted;
+mod hostile_files;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;

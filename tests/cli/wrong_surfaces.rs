@@ -25,10 +25,11 @@ fn files_that_are_no_stl_are_told() {
     let mut announced = vec![0; 84];
     announced[80..].copy_from_slice(&u32::MAX.to_le_bytes());
     for (contents, words) in [
-        (&b""[..], "part.stl: not an STL"),
-        (b"<html>404</html>", "part.stl: not an STL"),
+        (&b""[..], "part.stl: is an empty file, which is not read"),
+        (b"<html>404</html>", "part.stl: is a web page, which is not read"),
         (&b"dear reader, this is a letter and no part. ".repeat(9), "part.stl: not an STL"),
-        (b"solid gold is nice\n", "part.stl: not an STL"),
+        (b"solid gold is nice\n", "part.stl: the STL holds no triangle"),
+        (b"solid gold\nis nice\n", "part.stl:2: `is` where `facet` or `endsolid` belongs"),
         (b"solid\nendsolid\n", "part.stl: the STL holds no triangle"),
         (&[0; 84], "part.stl: the STL holds no triangle"),
         (&announced, "part.stl: not an STL: neither ASCII, nor binary"),

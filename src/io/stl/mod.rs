@@ -1,14 +1,17 @@
 //! STL surfaces: triangles without shared vertices on the file, an indexed mesh in memory.
 //!
-//! The file's numbers are 32-bit: a corner that triangles share may differ in its last digits, so
+//! The numbers of a binary file are 32-bit: a corner that triangles share may differ in its last digits, so
 //! corners closer than a tolerance become one vertex. No unit is written in the file: mm is meant.
+//! Which of the two forms a file has is seen from its bytes. Several solids become one mesh, as separate surfaces where they do not touch.
 //! What is read is not checked for being closed or for facing outward.
+
+mod text;
 
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use super::{InputError, OutputError, atomic, input};
+use super::{InputError, OutputError, atomic, input, part_file};
 use crate::math::Vec3;
 use crate::surface::TriangleMesh;
 
@@ -22,7 +25,7 @@ pub const WELD_TOLERANCE: f64 = 1e-5;
 /// 0 joins equal corners only. Triangles that lose a corner by it are left out.
 ///
 /// # Errors
-/// [`InputError`] when the file cannot be read, is not one STL solid, or has no triangle or a coordinate that is not finite.
+/// [`InputError`] when the file cannot be read, is not an STL, or has no triangle or a coordinate beyond 32-bit numbers.
 pub fn read(path: &Path, weld: f64) -> Result<TriangleMesh, InputError> {
     let bytes = input::bytes(path, input::DATA)?;
     parse(bytes, path, weld)
@@ -33,11 +36,12 @@ pub fn read(path: &Path, weld: f64) -> Result<TriangleMesh, InputError> {
 /// # Errors
 /// [`InputError`] as for [`read`].
 pub fn parse(bytes: Vec<u8>, path: &Path, weld: f64) -> Result<TriangleMesh, InputError> {
-    let corners = triangles(bytes).map_err(|what| InputError::new(path, what))?;
+    part_file::check_surface(&bytes, path)?;
+    let corners = triangles(bytes, path)?;
     if corners.is_empty() {
         return Err(InputError::new(path, "the STL holds no triangle"));
     }
-    if let Some(t) = corners.iter().position(|triangle| !triangle.iter().all(is_finite)) {
+    if let Some(t) = corners.iter().position(|triangle| !triangle.iter().all(is_single)) {
         let what = format!("triangle {} has a coordinate that is not finite", t + 1);
         return Err(InputError::new(path, what));
     }
@@ -71,32 +75,55 @@ pub fn write(path: &Path, mesh: &TriangleMesh) -> Result<(), OutputError> {
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
-fn triangles(mut bytes: Vec<u8>) -> Result<Vec<[Vec3; 3]>, String> {
-    let announced = bytes.get(80..HEADER).map(|count| {
-        u32::from_le_bytes(count.try_into().expect("the range has four bytes")) as usize
-    });
-    let is_binary = announced.is_some_and(|count| bytes.len() == HEADER + TRIANGLE * count);
-    if is_binary {
-        // Some programs begin a binary header with "solid", which `stl_io` takes for ASCII.
-        bytes[0] = b' ';
-    } else if bytes.starts_with(b"solid") {
-        if bytes.windows(8).filter(|word| word == b"endsolid").count() > 1 {
-            return Err("the STL holds several solids; only one is read".to_owned());
+/// The number of triangles that a binary STL announces.
+fn announced(bytes: &[u8]) -> Option<usize> {
+    let count = bytes.get(80..HEADER)?;
+    Some(u32::from_le_bytes(count.try_into().expect("the range has four bytes")) as usize)
+}
+
+/// Whether `bytes` are just as long as the binary STL that they would be: no other format is that by chance.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    announced(bytes).is_some_and(|count| count > 0 && bytes.len() == HEADER + TRIANGLE * count)
+}
+
+/// Whether `bytes` begin as a text STL does.
+pub(super) fn is_text(bytes: &[u8]) -> bool {
+    text::is_text(bytes)
+}
+
+fn triangles(mut bytes: Vec<u8>, path: &Path) -> Result<Vec<[Vec3; 3]>, InputError> {
+    let announced = announced(&bytes);
+    let end = announced.map_or(usize::MAX, |count| HEADER + TRIANGLE * count);
+    // In a text, these bytes would announce more triangles than a file can have.
+    if end > bytes.len() {
+        if is_text(&bytes) {
+            let triangles = text::triangles(&bytes);
+            return triangles.map_err(|(line, what)| InputError::at_line(path, line, what));
         }
-        // A nameless solid: `stl_io` wants the space.
-        bytes.insert(5, b' ');
-    } else {
-        return Err(match announced {
+        let what = match announced {
             Some(count) => format!(
-                "not an STL: neither ASCII, nor binary ({count} triangles would be {} bytes, there are {})",
-                HEADER + TRIANGLE * count,
+                "not an STL: neither ASCII, nor binary ({count} triangles would be {end} bytes, there are {})",
                 bytes.len()
             ),
             None => "not an STL: neither ASCII nor long enough for binary".to_owned(),
-        });
+        };
+        return Err(InputError::new(path, what));
     }
+    // Some programs write more behind the triangles; what could be triangles is none of that.
+    let behind = &bytes[end..];
+    let more = behind.len() / TRIANGLE;
+    if more > 0 && behind.len().is_multiple_of(TRIANGLE) && behind.iter().any(|&byte| byte != 0) {
+        let what = format!(
+            "the STL announces {} triangles and holds {more} more",
+            announced.unwrap_or_default()
+        );
+        return Err(InputError::new(path, what));
+    }
+    bytes.truncate(end);
+    // Some programs begin a binary header with "solid", which `stl_io` takes for ASCII.
+    bytes[0] = b' ';
+    let not_stl = |error: std::io::Error| InputError::new(path, format!("not an STL: {error}"));
     let mut cursor = Cursor::new(bytes);
-    let not_stl = |error: std::io::Error| format!("not an STL: {error}");
     let reader = stl_io::create_stl_reader(&mut cursor).map_err(not_stl)?;
     reader
         .map(|triangle| triangle.map(|t| t.vertices.map(|v| Vec3::from(v.0.map(f64::from)))))
@@ -104,8 +131,9 @@ fn triangles(mut bytes: Vec<u8>) -> Result<Vec<[Vec3; 3]>, String> {
         .map_err(not_stl)
 }
 
-fn is_finite(v: &Vec3) -> bool {
-    v.iter().all(|x| x.is_finite())
+/// Whether its coordinates are finite, as 32-bit numbers too.
+fn is_single(v: &Vec3) -> bool {
+    v.iter().all(|x| x.abs() <= f64::from(f32::MAX))
 }
 
 fn welded(corners: &[[Vec3; 3]], weld: f64) -> TriangleMesh {
@@ -281,24 +309,61 @@ mod tests {
         assert_eq!(nothing.unwrap_err(), "every triangle of the STL is degenerate");
     }
 
+    /// The cube once more, 20 mm beside, as a solid of its own or as more triangles of the first.
     #[test]
-    fn what_is_not_one_stl_solid_is_said() {
+    fn several_solids_are_one_mesh() {
+        let first = all_corners(&cube());
+        let second: Vec<_> =
+            first.iter().map(|t| t.map(|v| v + Vec3::new(20.0, 0.0, 0.0))).collect();
+        let text = ascii(&first, " a") + &ascii(&second, " b");
+        let mesh = read_bytes(text.as_bytes(), WELD_TOLERANCE).unwrap();
+        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (16, 24));
+        assert_eq!(all_corners(&mesh), [first.clone(), second].concat());
+        let halves = ascii(&first[..5], " a") + &ascii(&first[5..], " b");
+        assert_eq!(all_corners(&read_bytes(halves.as_bytes(), 0.0).unwrap()), first);
+    }
+
+    /// A colour in the header and in the two bytes of each triangle, and 7 bytes behind: the same cube.
+    #[test]
+    fn binary_files_may_hold_more_than_triangles() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cube.stl");
+        write(&path, &cube()).unwrap();
+        let mut bytes = fs::read(&path).unwrap();
+        bytes[..16].copy_from_slice(b"COLOR=\xff\x80\x40\xffsolid ");
+        for t in 0..12 {
+            bytes[HEADER + TRIANGLE * t + 48..][..2].copy_from_slice(&[0x1f, 0x80]);
+        }
+        let triangles = bytes[HEADER..].to_vec();
+        bytes.extend(b"a trail");
+        assert_eq!(all_corners(&read_bytes(&bytes, 0.0).unwrap()), all_corners(&cube()));
+        bytes.truncate(HEADER + 12 * TRIANGLE);
+        bytes.extend([0; 2 * TRIANGLE]);
+        assert_eq!(all_corners(&read_bytes(&bytes, 0.0).unwrap()), all_corners(&cube()));
+        bytes.truncate(HEADER + 12 * TRIANGLE);
+        bytes.extend(&triangles[..2 * TRIANGLE]);
+        let error = read_bytes(&bytes, 0.0).unwrap_err();
+        assert_eq!(error, "the STL announces 12 triangles and holds 2 more");
+    }
+
+    #[test]
+    fn what_is_not_an_stl_is_said() {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("a.stl");
         let error = read(&missing, 0.0).unwrap_err().to_string();
         assert_eq!(error, format!("{}: no such file or folder", missing.display()));
 
         let what = |bytes: &[u8]| read_bytes(bytes, 0.0).unwrap_err();
-        assert_eq!(what(b""), "not an STL: neither ASCII nor long enough for binary");
+        assert_eq!(what(b""), "is an empty file, which is not read");
+        assert_eq!(what(b"a letter"), "not an STL: neither ASCII nor long enough for binary");
         assert_eq!(what(ascii(&[], "").as_bytes()), "the STL holds no triangle");
         assert_eq!(what(&[0; HEADER]), "the STL holds no triangle");
         let long_text = "this is a letter, not a part. ".repeat(5);
         assert!(what(long_text.as_bytes()).starts_with("not an STL: neither ASCII, nor binary"));
         let cube = all_corners(&cube());
         let two = ascii(&cube, " a") + &ascii(&cube, " b");
-        assert_eq!(what(two.as_bytes()), "the STL holds several solids; only one is read");
-        let cut = &two.as_bytes()[..200];
-        assert!(what(cut).starts_with("not an STL: "), "{}", what(cut));
+        let cut = &two.as_bytes()[..198];
+        assert_eq!(what(cut), "the text ends within a facet");
 
         let mut binary = vec![0; HEADER + TRIANGLE];
         binary[80] = 1;

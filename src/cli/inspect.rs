@@ -1,0 +1,72 @@
+//! A look at a file of a user's, as far as commands go before they compute.
+
+use std::path::Path;
+
+use super::closed_part;
+use super::part::{PartFiles, PartSource};
+use super::run_file::RunFile;
+use super::run_folder::RunFolder;
+use super::scene_file::SceneFile;
+use super::simulate::{OnDisk, read_network};
+use crate::evolve::Nsga2;
+use crate::io::{calculix, toml_file};
+
+/// Which kind of file it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// A scene file, without the files that it names.
+    Scene,
+    /// A run file.
+    Run,
+    /// A network file.
+    Network,
+    /// A surface, with the mesh that is made of it.
+    Surface,
+    /// Tetrahedra.
+    Tetrahedra,
+    /// The folder of a run.
+    RunFolder,
+    /// The tip's displacements that CalculiX answered (`.dat`).
+    TipAnswer,
+    /// All nodes' displacements that CalculiX answered (`.frd`).
+    NodalAnswer,
+}
+
+/// Reads and checks the file or folder `path` as the commands do, and computes nothing with it.
+///
+/// # Errors
+/// One line when a command would refuse it.
+pub fn inspect(input: Input, path: &Path) -> Result<(), String> {
+    looked_at(input, path).map_err(|error| super::one_line(&error))
+}
+
+fn looked_at(input: Input, path: &Path) -> anyhow::Result<()> {
+    match input {
+        Input::Scene => SceneFile::read(path, None).map(|_| ()),
+        Input::Run => RunFile::read(path, None).map(|_| ()),
+        Input::Network => read_network(path).map(|_| ()),
+        Input::Surface => {
+            let surface = OnDisk.surface(path)?;
+            let scene: SceneFile = toml_file::parse(ANY_SCENE, Path::new("scene.toml"))?;
+            let source = PartSource::Stl { file: path.to_owned(), surface };
+            closed_part::shell(&scene, &source).map(|_| ())
+        }
+        Input::Tetrahedra => OnDisk.tetrahedra(path).map(|_| ()),
+        Input::RunFolder => {
+            let folder = RunFolder::open(path)?;
+            folder.run_file()?;
+            let (state, _) = folder.load()?;
+            if let Some(state) = state {
+                let search = Nsga2::resume(state.search)?;
+                let records = folder.records(search.generation())?;
+                folder.front(&search, &records)?;
+            }
+            folder.solid_front().map(|_| ())
+        }
+        Input::TipAnswer => Ok(calculix::read_tip(path).map(|_| ())?),
+        Input::NodalAnswer => Ok(calculix::read_nodes(path).map(|_| ())?),
+    }
+}
+
+/// Whose wall and mesh a surface is given.
+const ANY_SCENE: &str = "[part]\nstl = \"part.stl\"\n[material]\npreset = \"ninjaflex-c2s\"\n";
