@@ -22,8 +22,8 @@ use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
 use crate::fitness::{Evaluation, FurtherObjective, Outcome, StageSeconds, flags};
 use crate::io::{OutputError, OutputFolder, atomic, checkpoint, csv, input, jsonl, toml_file};
 use crate::report::{
-    Column, FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
-    outcomes_svg, png, standing,
+    Column, FrontPoint, HistoryPoint, OutcomeCount, Reached, front_svg, front_table, history_svg,
+    merit_svg, outcomes_svg, png, standing,
 };
 
 /// One line of `candidates.jsonl`.
@@ -72,7 +72,7 @@ pub(super) struct RunState {
 const PNG_SCALE: f32 = 2.0;
 
 /// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
-const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force,flags\n";
+const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force,flags,angle_deg,bending_pressure,blocking_pressure\n";
 
 /// The records of the generation that is being evaluated, as they end.
 const RUNNING: &str = "running.jsonl";
@@ -150,6 +150,11 @@ impl RunFolder {
         self.folder.path()
     }
 
+    /// The folder of a member of the front.
+    pub(super) fn design(&self, id: &str) -> std::path::PathBuf {
+        self.folder.path().join("front").join(id)
+    }
+
     pub(super) fn file(&self, name: &str) -> std::path::PathBuf {
         self.folder.file(name)
     }
@@ -177,6 +182,11 @@ impl RunFolder {
         let mut records: Vec<Record> = if path.exists() { jsonl::read(&path)? } else { Vec::new() };
         records.retain(|record| record.id.generation < generation);
         Ok(records)
+    }
+
+    /// What was recorded of `id`, in whatever generation.
+    pub(super) fn record(&self, id: IndividualId) -> anyhow::Result<Option<Record>> {
+        Ok(self.records(usize::MAX)?.into_iter().find(|record| record.id == id))
     }
 
     /// As [`Self::records`]; what a killed run wrote of a later generation is removed from the file.
@@ -339,9 +349,16 @@ fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec
             max_force: evaluation.max_force,
             flags: flags(&evaluation.exploits),
             further: further(evaluation),
+            reached: Some(reached(evaluation)),
         })
     };
     front.iter().map(point).collect()
+}
+
+/// What a design reached.
+pub(super) fn reached(evaluation: &Evaluation) -> Reached {
+    let &Evaluation { angle_deg, bending_pressure, blocking_pressure, .. } = evaluation;
+    Reached { angle_deg, bending_pressure, blocking_pressure }
 }
 
 /// What the run asked besides bending and blocking, as tables show it.
