@@ -20,7 +20,11 @@ LIGHT = np.array([-0.5, -0.7, 0.5]) / np.linalg.norm([-0.5, -0.7, 0.5])
 
 def shaded(axes, file):
     mesh = meshio.read(file)
-    corners = mesh.points[mesh.cells_dict["triangle"]]
+    cells = mesh.cells_dict
+    # Quadratic triangles as the four between their six points.
+    six = cells.get("triangle6", np.empty((0, 6), int))
+    parts = [six[:, part] for part in ([0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5])]
+    corners = mesh.points[np.vstack([cells.get("triangle", np.empty((0, 3), int)), *parts])]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     shade = 0.45 + 0.55 * (0.5 + 0.5 * normals @ LIGHT)

@@ -518,6 +518,7 @@ impl Row {
             max_force: self.max_force_solid?,
             flags: self.flags.clone(),
             further: Vec::new(),
+            reached: None,
         })
     }
 }

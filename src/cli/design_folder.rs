@@ -9,8 +9,8 @@ use crate::fitness::Observation;
 use crate::io::vtu::{Picture, Values, write_series};
 use crate::io::{OutputError, atomic, csv, stl};
 use crate::math::Vec3;
-use crate::mesh::{ShellMesh, SolidMesh};
-use crate::model::PartModel;
+use crate::mesh::ShellMesh;
+use crate::model::{BorneStates, PartModel, ShellState, SolidState};
 use crate::solve::PathPoint;
 use crate::surface::TriangleMesh;
 
@@ -33,7 +33,8 @@ pub(super) fn write_path(
     write_pictures(folder, name, &mesh.surface, model, points)
 }
 
-/// Writes `<name>.pvd` with one deformed `surface` for each of `points`.
+/// Writes `<name>.pvd` with one picture for each of `points`: a shell's middle with what its wall bears; of a solid that shows the
+/// `surface` of its shell, that surface.
 pub(super) fn write_pictures(
     folder: &Path,
     name: &str,
@@ -41,9 +42,10 @@ pub(super) fn write_pictures(
     model: &PartModel,
     points: &[PathPoint],
 ) -> Result<(), OutputError> {
-    let mut frames = Vec::with_capacity(points.len());
-    for (step, point) in points.iter().enumerate() {
-        let file = format!("{name}_{step:03}.vtu");
+    if !model.is_solid() {
+        return write_model_pictures(folder, name, model, points);
+    }
+    write_frames(folder, name, points, |path, point| {
         let displacement = model.vertex_displacements(&point.x);
         let deformed = TriangleMesh {
             positions: displaced(&surface.positions, &displacement),
@@ -51,31 +53,91 @@ pub(super) fn write_pictures(
         };
         Picture::new(&deformed)
             .with_point_data("displacement_mm", Values::Vectors(&displacement))
-            .write(&folder.join(&file))?;
+            .write(path)
+    })
+}
+
+/// Writes `<name>.pvd` with one picture of the model's own cells for each of `points`, and what they bear.
+pub(super) fn write_model_pictures(
+    folder: &Path,
+    name: &str,
+    model: &PartModel,
+    points: &[PathPoint],
+) -> Result<(), OutputError> {
+    let (at_rest, cells) = model.picture_cells();
+    write_frames(folder, name, points, |path, point| {
+        let displacement = model.picture_displacements(&point.x);
+        let positions = displaced(&at_rest, &displacement);
+        let (mut of_points, mut of_cells) = (Vec::new(), Vec::new());
+        if let Some(pressures) = model.solid_pressures(&point.x) {
+            of_points.push(("hydrostatic_pressure_MPa", singles(&pressures)));
+        }
+        if let Some(contact) = model.contact_states(&point.x) {
+            of_points.push(("contact_gap_mm", singles(&contact.gaps)));
+            of_points.push(("contact_pressure_MPa", singles(&contact.pressures)));
+        }
+        match model.borne_states(&point.x) {
+            Some(BorneStates::Shell(states)) => {
+                let mut column = |name, value: fn(&ShellState) -> f64| {
+                    of_cells.push((name, states.iter().map(|s| value(s) as f32).collect()));
+                };
+                column("stretch_1", |state| state.stretches[0]);
+                column("stretch_2", |state| state.stretches[1]);
+                column("stretch_3", |state| state.stretches[2]);
+                column("thickness_mm", |state| state.thickness);
+                column("stress_1_MPa", |state| state.stresses[0]);
+                column("stress_2_MPa", |state| state.stresses[1]);
+                column("von_mises_MPa", |state| state.von_mises[1]);
+                column("von_mises_inner_MPa", |state| state.von_mises[0]);
+                column("von_mises_outer_MPa", |state| state.von_mises[2]);
+            }
+            Some(BorneStates::Solid(states)) => {
+                let mut column = |name, value: fn(&SolidState) -> f64| {
+                    of_cells.push((name, states.iter().map(|s| value(s) as f32).collect()));
+                };
+                column("stretch_1", |state| state.stretches[0]);
+                column("stretch_2", |state| state.stretches[1]);
+                column("stretch_3", |state| state.stretches[2]);
+                column("stress_1_MPa", |state| state.stresses[0]);
+                column("stress_2_MPa", |state| state.stresses[1]);
+                column("stress_3_MPa", |state| state.stresses[2]);
+                column("von_mises_MPa", |state| state.von_mises);
+                column("J", |state| state.j);
+            }
+            None => {}
+        }
+        let of_cells: Vec<(&str, Vec<f32>)> = of_cells;
+        let mut picture = Picture::of_cells(&positions, &cells)
+            .with_point_data("displacement_mm", Values::Vectors(&displacement));
+        for (name, values) in &of_points {
+            picture = picture.with_point_data(name, Values::Singles(values));
+        }
+        for (name, values) in &of_cells {
+            picture = picture.with_cell_data(name, Values::Singles(values));
+        }
+        picture.write(path)
+    })
+}
+
+/// Writes `<name>.pvd` and the file of each of `points` by `write`.
+fn write_frames(
+    folder: &Path,
+    name: &str,
+    points: &[PathPoint],
+    write: impl Fn(&Path, &PathPoint) -> Result<(), OutputError>,
+) -> Result<(), OutputError> {
+    let mut frames = Vec::with_capacity(points.len());
+    for (step, point) in points.iter().enumerate() {
+        let file = format!("{name}_{step:03}.vtu");
+        write(&folder.join(&file), point)?;
         frames.push((point.load, file));
     }
     write_series(&folder.join(format!("{name}.pvd")), &frames)
 }
 
-/// Writes `<name>.pvd` with one deformed solid for each of `points`.
-pub(super) fn write_solid_pictures(
-    folder: &Path,
-    name: &str,
-    mesh: &SolidMesh,
-    points: &[PathPoint],
-) -> Result<(), OutputError> {
-    let mut frames = Vec::with_capacity(points.len());
-    for (step, point) in points.iter().enumerate() {
-        let file = format!("{name}_{step:03}.vtu");
-        let places = &point.x[..3 * mesh.positions.len()];
-        let displacement: Vec<Vec3> = places.as_chunks().0.iter().map(|&u| Vec3::from(u)).collect();
-        let positions = displaced(&mesh.positions, &displacement);
-        Picture::of_solid(&SolidMesh { positions, ..mesh.clone() })
-            .with_point_data("displacement_mm", Values::Vectors(&displacement))
-            .write(&folder.join(&file))?;
-        frames.push((point.load, file));
-    }
-    write_series(&folder.join(format!("{name}.pvd")), &frames)
+/// Single precision is finer than any state is known.
+fn singles(values: &[f64]) -> Vec<f32> {
+    values.iter().map(|&value| value as f32).collect()
 }
 
 /// A row of `watches.csv`.

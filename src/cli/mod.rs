@@ -3,13 +3,16 @@
 mod certify;
 mod closed_part;
 mod compare;
+mod compare_runs;
 mod contact_rows;
 mod deck;
 mod design_folder;
+mod design_pictures;
 mod doctor;
 mod evaluations;
 mod evolve;
 mod export;
+mod film;
 mod formula;
 mod inspect;
 mod material;
@@ -21,6 +24,7 @@ mod overload;
 mod part;
 mod patch_part;
 mod patience;
+mod pick;
 mod provenance;
 mod report;
 mod resume;
@@ -193,10 +197,17 @@ enum Command {
         #[arg(long)]
         solver: Option<SolverName>,
     },
-    /// Compare what CalculiX answered to a deck with our own answer; the exit code is 1 where its answer is missing or ends early.
+    /// Compare what CalculiX answered to a deck with our own answer, or the fronts of two runs.
+    ///
+    /// Of a deck the exit code is 1 where CalculiX' answer is missing or ends early.
     Compare {
-        /// The folder of a deck, in which `ccx solid` has run.
+        /// The folder of a deck, in which `ccx solid` has run; or of a run.
         folder: PathBuf,
+        /// The folder of another run: then both fronts are compared.
+        other: Option<PathBuf>,
+        /// Of two runs: folder for a figure of both fronts and comparison.json; must not exist.
+        #[arg(long, requires = "other")]
+        out: Option<PathBuf>,
         /// Print the comparison as JSON instead of words.
         #[arg(long)]
         json: bool,
@@ -221,6 +232,10 @@ enum Command {
         #[arg(long, default_value = "127.0.0.1")]
         listen: IpAddr,
     },
+    /// Film a design while it is inflated, free and against its plane (GIF).
+    Film(film::Film),
+    /// Pick the design of a run that does most of one thing among those that do enough of others.
+    Pick(pick::Pick),
     /// Draw the figures of a run (SVG, PNG, PDF), write it as one page (report.html), and print its front.
     Report {
         /// The folder of a run.
@@ -443,7 +458,17 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             let choices = deck::Choices { poisson_ratio, edge, pressure, samples, solver };
             deck::run(&source, id.as_deref(), &out, &choices)
         }
-        Command::Compare { folder, json } => compare::run(&folder, json),
+        Command::Compare { folder, other: Some(other), out, json } => {
+            compare_runs::run([&folder, &other], out.as_deref(), json)
+        }
+        Command::Compare { folder, other: None, json, .. } => {
+            anyhow::ensure!(
+                !folder.join("run.toml").exists(),
+                "{} is a run; name another run to compare it with",
+                folder.display()
+            );
+            compare::run(&folder, json)
+        }
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),
         Command::Verify { what: Verified::Stability { list: true, .. } } => {
@@ -456,6 +481,8 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         }
         #[cfg(feature = "monitor")]
         Command::Monitor { run, port, listen } => monitor::run(&run, listen, port),
+        Command::Film(film) => film.run(),
+        Command::Pick(pick) => pick.run(),
         Command::Report { run } => report::run(&run),
         Command::Doctor { json } => doctor::run(json),
         Command::Completions { shell } => {

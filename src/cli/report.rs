@@ -5,14 +5,16 @@ use std::path::Path;
 use anyhow::Context;
 
 use super::certify::Row;
+use super::design_pictures::{self, Blocking, Pictured, StoredPath};
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, outcome_counts};
 use super::{say, warn};
 use crate::evolve::{Breeding, Crossover, Mutation, Nsga2, Nsga2Settings, Survival};
 use crate::fitness::{FurtherObjective, Sense};
 use crate::io::{atomic, input};
+use crate::math::Vec3;
 use crate::mesh::ShellElement;
-use crate::report::{FrontPoint, ReportPage, pdf, standing};
+use crate::report::{FrontPoint, ReportPage, curves_svg, pdf, standing};
 use crate::solve::Backend;
 
 /// The figures of a run with what they show.
@@ -52,7 +54,11 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
         atomic::write(&folder.file(&format!("{name}.pdf")), &pdf(&svg))?;
         figures.push((caption, svg));
     }
-    let page = page(&folder, &search, &state.history, &records, &figures)?;
+    let (designs, curves) = designs(&folder, &search, &records)?;
+    if let Some(curves) = curves {
+        figures.push(("Some designs of the front over the pressure.", curves));
+    }
+    let page = page(&folder, &search, &state.history, &records, &figures, &designs)?;
     atomic::write(&folder.file(PAGE), page.as_bytes())?;
     written.push(PAGE);
     for name in written {
@@ -64,12 +70,52 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// A design's name with its numbers, and its picture (PNG).
+type DesignPicture = (String, Vec<u8>);
+
+/// How many designs are shown.
+const SHOWN: usize = 5;
+
+/// Names and pictures of designs along the front, and the figure of their curves; none of a run that has written no designs yet.
+fn designs(
+    folder: &RunFolder,
+    search: &Nsga2,
+    records: &[Record],
+) -> anyhow::Result<(Vec<DesignPicture>, Option<String>)> {
+    let mut front = folder.front(search, records)?;
+    front.sort_by(|a, b| b.bending.total_cmp(&a.bending));
+    front.retain(|point| folder.design(&point.id).join("path_blocked.csv").exists());
+    let run = folder.run_file()?;
+    let blocking = Blocking::of(&run)?;
+    let count = front.len().min(SHOWN);
+    let places =
+        (0..count).map(|k| if count > 1 { k * (front.len() - 1) / (count - 1) } else { 0 });
+    let (mut pictures, mut curves) = (Vec::new(), Vec::new());
+    for point in places.map(|k| &front[k]) {
+        let design = folder.design(&point.id);
+        let path = |name| StoredPath::read_ends(&design, name);
+        let blocked = Some((path("path_blocked")?, blocking));
+        let direction = Vec3::from(run.fitness.plane_normal);
+        let pictured = Pictured { free: path("path")?, blocked, direction };
+        let angle = point.reached.map_or(0.0, |reached| reached.angle_deg);
+        let name = format!(
+            "{}: {angle:.1} deg, {:.2} N, F_c {:.3}, F_bf {:.4} N/kPa",
+            point.id, point.max_force, point.bending, point.blocking
+        );
+        pictures.push((name, pictured.still().png()));
+        curves.push(design_pictures::curves(&design, &point.id)?);
+    }
+    let figure = (!curves.is_empty()).then(|| curves_svg(&curves));
+    Ok((pictures, figure))
+}
+
 fn page(
     folder: &RunFolder,
     search: &Nsga2,
     history: &[HistoryRow],
     records: &[Record],
     figures: &[(&str, String)],
+    designs: &[DesignPicture],
 ) -> anyhow::Result<String> {
     let run = folder.run_file()?;
     let front = folder.front(search, records)?;
@@ -86,6 +132,7 @@ fn page(
         solids: &solids,
         outcomes: &outcome_counts(records),
         figures,
+        designs,
         files: &[("run.toml", read("run.toml")), ("provenance.json", read("provenance.json"))],
     };
     Ok(page.html())
@@ -94,19 +141,30 @@ fn page(
 fn summary(history: &[HistoryRow], records: &[Record], front: &[FrontPoint]) -> String {
     let seconds: f64 = records.iter().map(|record| record.cpu_seconds.total()).sum();
     let feasible: usize = history.iter().map(|row| row.feasible).sum();
-    let best = |value: fn(&FrontPoint) -> f64| front.iter().map(value).fold(0.0, f64::max);
     let mut text = format!(
-        "{} candidates in {} generations, {feasible} of which could be evaluated, took {:.2} core-hours. \
-         The front has {} members, with F_c to {:.3} rad/(m J)^(1/p), F_bf to {:.4} N/kPa, \
-         {:.2} deg/(kPa m), and forces to {:.2} N.",
+        "{} candidates in {} generations, {feasible} of which could be evaluated, took {:.2} core-hours. ",
         records.len(),
         history.len(),
         seconds / 3600.0,
+    );
+    if front.is_empty() {
+        let causes = outcome_counts(records);
+        let most = causes.first().map_or(String::new(), |cause| {
+            format!(": {} of them ended as {}", cause.candidates, cause.outcome)
+        });
+        return text + &format!("No design has objectives{most}.");
+    }
+    let best = |value: fn(&FrontPoint) -> f64| front.iter().map(value).fold(0.0, f64::max);
+    let angle = |point: &FrontPoint| point.reached.map_or(0.0, |reached| reached.angle_deg);
+    text += &format!(
+        "The front has {} members, with angles to {:.1} deg, forces to {:.2} N, F_c to {:.3} rad/(m J)^(1/p), F_bf to {:.4} N/kPa, \
+         and {:.2} deg/(kPa m).",
         front.len(),
+        best(angle),
+        best(|point| point.max_force),
         best(|point| point.bending),
         best(|point| point.blocking),
         best(|point| point.figure_of_merit),
-        best(|point| point.max_force),
     );
     if let Some(line) = standing(front) {
         text += &format!(" {line}.");

@@ -29,8 +29,8 @@ use crate::io::{
     toml_file,
 };
 use crate::report::{
-    Column, FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
-    outcomes_svg, png, standing,
+    Column, FrontPoint, HistoryPoint, OutcomeCount, Reached, front_svg, front_table, history_svg,
+    merit_svg, outcomes_svg, png, standing,
 };
 
 /// One line of `candidates.jsonl`.
@@ -88,7 +88,7 @@ pub(super) struct RunState {
 const PNG_SCALE: f32 = 2.0;
 
 /// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
-const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force,flags\n";
+const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force,flags,angle_deg,bending_pressure,blocking_pressure\n";
 
 const RUN_FILE: &str = "run.toml";
 const CHECKPOINTS: &str = "checkpoints";
@@ -224,6 +224,11 @@ impl RunFolder {
         self.folder.path()
     }
 
+    /// The folder of a member of the front.
+    pub(super) fn design(&self, id: &str) -> std::path::PathBuf {
+        self.folder.path().join("front").join(id)
+    }
+
     pub(super) fn file(&self, name: &str) -> std::path::PathBuf {
         self.folder.file(name)
     }
@@ -264,6 +269,11 @@ impl RunFolder {
         let mut records: Vec<Record> = if path.exists() { jsonl::read(&path)? } else { Vec::new() };
         records.retain(|record| record.id.generation < generation);
         Ok(records)
+    }
+
+    /// What was recorded of `id`, in whatever generation.
+    pub(super) fn record(&self, id: IndividualId) -> anyhow::Result<Option<Record>> {
+        Ok(self.records(usize::MAX)?.into_iter().find(|record| record.id == id))
     }
 
     /// Everything that was recorded.
@@ -496,9 +506,16 @@ fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec
             max_force: evaluation.max_force,
             flags: flags(&evaluation.exploits),
             further: further(evaluation),
+            reached: Some(reached(evaluation)),
         })
     };
     front.iter().map(point).collect()
+}
+
+/// What a design reached.
+pub(super) fn reached(evaluation: &Evaluation) -> Reached {
+    let &Evaluation { angle_deg, bending_pressure, blocking_pressure, .. } = evaluation;
+    Reached { angle_deg, bending_pressure, blocking_pressure }
 }
 
 /// What the run asked besides bending and blocking, as tables show it.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::closed_part::shell;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{
-    write_json, write_path, write_solid_pictures, write_surface, write_watches,
+    write_json, write_model_pictures, write_path, write_surface, write_watches,
 };
 use super::material::instability;
 use super::part::PartFiles;
@@ -153,7 +153,7 @@ pub(super) fn run(
     write_surface(folder.path(), &mesh)?;
     if let Some(solid) = &solid {
         msh::write(&folder.file("wall.msh"), &solid.mesh)?;
-        write_solid_pictures(folder.path(), "solid", &solid.mesh, &walked.points)?;
+        write_model_pictures(folder.path(), "solid", &model, &walked.points)?;
     }
     write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
     write_contact(folder.path(), &model, &walked.points)?;

@@ -6,7 +6,7 @@ use anyhow::{Context, ensure};
 use serde::Serialize;
 
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
-use super::design_folder::{write_json, write_pictures, write_watches};
+use super::design_folder::{write_json, write_model_pictures, write_watches};
 use super::part::PartSource;
 use super::patience::End;
 use super::provenance::Provenance;
@@ -145,7 +145,7 @@ pub(super) fn run(
     csv::write(&folder.file("path.csv"), &rows)?;
     write_contact(folder.path(), &shape.model, &walked.points)?;
     write_watches(folder.path(), watches())?;
-    write_pictures(folder.path(), "path", &shape.surface, &shape.model, &walked.points)?;
+    write_model_pictures(folder.path(), "path", &shape.model, &walked.points)?;
     write_json(&folder.file("summary.json"), &summary)?;
     lock.remove();
     say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });

@@ -26,6 +26,7 @@ pub mod three_mf;
 pub mod toml_file;
 pub mod vtu;
 pub mod vtu_solid;
+pub mod vtu_surface;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};

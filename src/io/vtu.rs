@@ -8,6 +8,7 @@ use std::path::Path;
 use super::{OutputError, atomic};
 use crate::math::Vec3;
 use crate::mesh::SolidMesh;
+use crate::model::PictureCells;
 use crate::surface::TriangleMesh;
 
 /// A surface or a solid, and named values on its nodes and cells.
@@ -23,6 +24,7 @@ pub struct Picture<'a> {
 #[derive(Clone, Copy, Debug)]
 enum Cells<'a> {
     Triangles(&'a [[u32; 3]]),
+    QuadraticTriangles(&'a [[u32; 6]]),
     QuadraticTetrahedra(&'a [[u32; 10]]),
 }
 
@@ -33,6 +35,8 @@ pub enum Values<'a> {
     Scalars(&'a [f64]),
     /// A vector each.
     Vectors(&'a [Vec3]),
+    /// A number each, of single precision.
+    Singles(&'a [f32]),
 }
 
 impl<'a> Picture<'a> {
@@ -46,6 +50,17 @@ impl<'a> Picture<'a> {
     #[must_use]
     pub fn of_solid(mesh: &'a SolidMesh) -> Self {
         Self::of(&mesh.positions, Cells::QuadraticTetrahedra(&mesh.tetrahedra))
+    }
+
+    /// The `cells` over `positions` (mm), without values.
+    #[must_use]
+    pub fn of_cells(positions: &'a [Vec3], cells: &'a PictureCells) -> Self {
+        let cells = match cells {
+            PictureCells::Triangles(cells) => Cells::Triangles(cells),
+            PictureCells::QuadraticTriangles(cells) => Cells::QuadraticTriangles(cells),
+            PictureCells::QuadraticTetrahedra(cells) => Cells::QuadraticTetrahedra(cells),
+        };
+        Self::of(positions, cells)
     }
 
     fn of(positions: &'a [Vec3], cells: Cells<'a>) -> Self {
@@ -86,9 +101,9 @@ impl<'a> Picture<'a> {
         let Self { positions, cells, .. } = self;
         let (nodes, size, kind) = match cells {
             Cells::Triangles(cells) => (cells.as_flattened(), 3, VTK_TRIANGLE),
+            Cells::QuadraticTriangles(cells) => (cells.as_flattened(), 6, VTK_QUADRATIC_TRIANGLE),
             Cells::QuadraticTetrahedra(cells) => (cells.as_flattened(), 10, VTK_QUADRATIC_TETRA),
         };
-        let nodes = nodes.iter().map(|&v| i64::from(v));
         let ends = (1..=cells.len()).map(|t| size * t as i64);
         let types = vec![kind; cells.len()];
 
@@ -104,7 +119,9 @@ impl<'a> Picture<'a> {
         xml += "<Points>\n";
         xml += &blocks.values("position", Values::Vectors(positions));
         xml += "</Points>\n<Cells>\n";
-        xml += &blocks.array("Int64", "connectivity", 1, nodes.flat_map(i64::to_le_bytes));
+        // No mesh of ours has 2^31 nodes, and half as many bytes do.
+        let nodes = nodes.iter().flat_map(|&v| v.cast_signed().to_le_bytes());
+        xml += &blocks.array("Int32", "connectivity", 1, nodes);
         xml += &blocks.array("Int64", "offsets", 1, ends.flat_map(i64::to_le_bytes));
         xml += &blocks.array("UInt8", "types", 1, types.into_iter());
         xml += "</Cells>\n";
@@ -128,6 +145,7 @@ impl Cells<'_> {
     fn len(&self) -> usize {
         match self {
             Self::Triangles(cells) => cells.len(),
+            Self::QuadraticTriangles(cells) => cells.len(),
             Self::QuadraticTetrahedra(cells) => cells.len(),
         }
     }
@@ -138,6 +156,7 @@ impl Values<'_> {
         match self {
             Self::Scalars(values) => values.len(),
             Self::Vectors(values) => values.len(),
+            Self::Singles(values) => values.len(),
         }
     }
 }
@@ -160,6 +179,7 @@ pub fn write_series(path: &Path, pictures: &[(f64, String)]) -> Result<(), Outpu
 }
 
 const VTK_TRIANGLE: u8 = 5;
+const VTK_QUADRATIC_TRIANGLE: u8 = 22;
 /// Its nodes have the order of ours.
 const VTK_QUADRATIC_TETRA: u8 = 24;
 
@@ -174,6 +194,9 @@ impl AppendedBlocks {
         match values {
             Values::Scalars(values) => {
                 self.array("Float64", name, 1, values.iter().flat_map(|x| x.to_le_bytes()))
+            }
+            Values::Singles(values) => {
+                self.array("Float32", name, 1, values.iter().flat_map(|x| x.to_le_bytes()))
             }
             Values::Vectors(values) => {
                 let numbers = values.iter().flat_map(|v| [v.x, v.y, v.z]);
@@ -238,9 +261,12 @@ mod tests {
                 end = offset + 8 + length;
                 let block = &file[at + 8..at + 8 + length];
                 let words = block.chunks(8).map(|word| word.try_into().unwrap_or_default());
+                let halves = block.chunks(4).map(|word| word.try_into().unwrap_or_default());
                 let numbers = match attribute(element, "type").unwrap() {
                     "Float64" => words.map(f64::from_le_bytes).collect(),
                     "Int64" => words.map(|word| i64::from_le_bytes(word) as f64).collect(),
+                    "Int32" => halves.map(|word| f64::from(i32::from_le_bytes(word))).collect(),
+                    "Float32" => halves.map(|word| f64::from(f32::from_le_bytes(word))).collect(),
                     _ => block.iter().map(|&byte| f64::from(byte)).collect(),
                 };
                 let components =
@@ -263,7 +289,8 @@ mod tests {
         let picture = Picture::new(&mesh)
             .with_point_data("displacement <mm>", Values::Vectors(&mesh.positions))
             .with_point_data("angle", Values::Scalars(&angle))
-            .with_cell_data("pressure", Values::Scalars(&pressure));
+            .with_cell_data("pressure", Values::Scalars(&pressure))
+            .with_cell_data("stress", Values::Singles(&[0.25, -3.0]));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.vtu");
         picture.write(&path).unwrap();
@@ -282,6 +309,7 @@ mod tests {
                 named("displacement &lt;mm&gt;", 3, &xyz),
                 named("angle", 1, &angle),
                 named("pressure", 1, &pressure),
+                named("stress", 1, &[0.25, -3.0]),
             ]
         );
     }

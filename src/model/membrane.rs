@@ -65,18 +65,44 @@ fn metric([a, b, c]: [Vec3; 3]) -> [f64; 3] {
 }
 
 fn state_of_facet(material: &Material, rest: [f64; 3], now: [f64; 3]) -> MembraneState {
-    let det = |[a, b, c]: [f64; 3]| a * b - c * c;
-    let row = |a: f64, b: f64| {
-        [a * now[0] + b * now[2], a * now[2] + b * now[1]].map(|entry| entry / det(rest))
-    };
-    // G^-1 g; the difference of its eigenvalues from its entries, as that of their invariants cancels where they are equal.
-    let [[a, b], [c, d]] = [row(rest[1], -rest[2]), row(-rest[2], rest[0])];
-    let (trace, j) = (a + d, det(now) / det(rest));
-    let square = 0.5 * trace + (0.25 * (a - d) * (a - d) + b * c).max(0.0).sqrt();
-    let psi = material.density(trace, j);
-    let volume = j.sqrt() * material.thickness_stretch(trace, j).value;
-    let stress = 2.0 * (square * psi.first[0] + j * psi.first[1]) / volume;
-    MembraneState { stretch: square.sqrt(), stress }
+    let PlaneState { stretches, stresses } = PlaneState::new(material, rest, now);
+    MembraneState { stretch: stretches[0], stress: stresses[0] }
+}
+
+/// What a layer in plane stress bears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PlaneState {
+    /// Principal stretches in the layer, the larger first, and the one across it.
+    pub(super) stretches: [f64; 3],
+    /// Principal Cauchy stresses in the layer, the larger first, MPa.
+    pub(super) stresses: [f64; 2],
+}
+
+impl PlaneState {
+    /// Of a layer of `material` with the metrics `(11, 22, 12)` at `rest` and `now`.
+    pub(super) fn new(material: &Material, rest: [f64; 3], now: [f64; 3]) -> Self {
+        let det = |[a, b, c]: [f64; 3]| a * b - c * c;
+        let row = |a: f64, b: f64| {
+            [a * now[0] + b * now[2], a * now[2] + b * now[1]].map(|entry| entry / det(rest))
+        };
+        // G^-1 g; the difference of its eigenvalues from its entries, as that of their invariants cancels where they are equal.
+        let [[a, b], [c, d]] = [row(rest[1], -rest[2]), row(-rest[2], rest[0])];
+        let (trace, j) = (a + d, det(now) / det(rest));
+        let square = 0.5 * trace + (0.25 * (a - d) * (a - d) + b * c).max(0.0).sqrt();
+        let psi = material.density(trace, j);
+        let l3 = material.thickness_stretch(trace, j).value;
+        let volume = j.sqrt() * l3;
+        let squares = [square, j / square];
+        let stress = |square: f64| 2.0 * (square * psi.first[0] + j * psi.first[1]) / volume;
+        let [l1, l2] = squares.map(f64::sqrt);
+        Self { stretches: [l1, l2, l3], stresses: squares.map(stress) }
+    }
+
+    /// Von Mises' stress, MPa.
+    pub(super) fn von_mises(&self) -> f64 {
+        let [s1, s2] = self.stresses;
+        (s1 * s1 - s1 * s2 + s2 * s2).sqrt()
+    }
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ pub struct PartModel {
     /// Nodes at rest, mm.
     pub(super) reference: Vec<Vec3>,
     pub(super) ties: Ties,
-    wall: Tied<Wall>,
+    pub(super) wall: Tied<Wall>,
     chamber: Option<Tied<ChamberPressure>>,
     /// Pressure at a load of 1, MPa.
     pub(super) pressure: f64,
@@ -301,7 +301,7 @@ impl PartModel {
     }
 
     /// Positions as the tied terms take them: at rest, plus the unknowns; then the pressures.
-    fn untied(&self, u: &[f64]) -> Vec<Vec3> {
+    pub(super) fn untied(&self, u: &[f64]) -> Vec<Vec3> {
         assert_eq!(u.len(), self.unknowns());
         let (places, pressures) = u.split_at(3 * self.reference.len());
         let places = self.reference.iter().zip(places.as_chunks().0);

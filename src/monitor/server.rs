@@ -4,6 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::Router;
 use axum::body::Bytes;
@@ -16,8 +17,13 @@ use axum::http::{StatusCode, Uri};
 use axum::middleware::{Next, from_fn, map_response};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
+use tokio::sync::Semaphore;
+use tokio::time::{sleep, timeout};
 
 use super::{Answer, Refusal, Source, page};
 
@@ -33,7 +39,10 @@ impl Server {
     /// # Errors
     /// When the port is taken, or not ours to take.
     pub fn bind(address: SocketAddr) -> io::Result<Self> {
-        let runtime = Builder::new_current_thread().enable_io().build()?;
+        let runtime = Builder::new_current_thread()
+            .enable_all()
+            .max_blocking_threads(MOST_ANSWERS)
+            .build()?;
         let listener = runtime.block_on(TcpListener::bind(address))?;
         Ok(Self { runtime, listener })
     }
@@ -49,10 +58,45 @@ impl Server {
     /// Answers until the process ends.
     ///
     /// # Errors
-    /// When the system takes the socket away.
+    /// When the system does not tell where it listens.
     pub fn serve(self, source: Arc<dyn Source>) -> io::Result<()> {
         let router = router(source, self.address()?.ip());
-        self.runtime.block_on(async { axum::serve(self.listener, router).await })
+        self.runtime.block_on(accept(&self.listener, &router));
+        Ok(())
+    }
+}
+
+/// Connections that are open at once; a browser opens six.
+const MOST_CONNECTIONS: usize = 64;
+
+/// The time in which a request must have come, and after an answer the next one: whoever sends half of one keeps no place.
+const LONGEST_REQUEST: Duration = Duration::from_secs(15);
+
+/// The time that a connection may take, whoever reads it however slowly.
+const LONGEST_CONNECTION: Duration = Duration::from_secs(600);
+
+/// Answers worked out at once: the others wait.
+const MOST_ANSWERS: usize = 8;
+
+/// Serves each connection that comes, so many at a time, until the process ends.
+async fn accept(listener: &TcpListener, router: &Router) {
+    let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    while let Ok(place) = places.clone().acquire_owned().await {
+        let Ok((stream, _)) = listener.accept().await else {
+            // Too many files are open, or a client went away before it was served.
+            sleep(Duration::from_millis(50)).await;
+            continue;
+        };
+        let service = TowerToHyperService::new(router.clone());
+        let connection = http1::Builder::new()
+            .timer(TokioTimer::new())
+            .header_read_timeout(LONGEST_REQUEST)
+            .serve_connection(TokioIo::new(stream), service);
+        tokio::spawn(async move {
+            // Whoever hangs up or comes too late is told by the closed connection alone.
+            let _ = timeout(LONGEST_CONNECTION, connection).await;
+            drop(place);
+        });
     }
 }
 

@@ -42,11 +42,16 @@ pub(super) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> St
 /// When `svg` is not an SVG, or the scaled image has no pixels or more than memory holds.
 #[must_use]
 pub fn png(svg: &str, scale: f32) -> Vec<u8> {
+    pixmap(svg, scale).encode_png().expect("a pixel map has a PNG form")
+}
+
+/// The pixels of an SVG, as [`png`] has them.
+pub(super) fn pixmap(svg: &str, scale: f32) -> tiny_skia::Pixmap {
     let tree = tree(svg);
     let size = tree.size().to_int_size().scale_by(scale).expect("the image has pixels");
     let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).expect("memory for it");
     resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    pixels.encode_png().expect("a pixel map has a PNG form")
+    pixels
 }
 
 /// The PDF of an SVG figure, lettered in DejaVu Sans on every machine.

@@ -2,7 +2,7 @@
 //!
 //! Left: bending against blocking objective, with everything evaluated behind the front.
 //! Right: Smith et al. (2022), Fig. 3, both axes logarithmic; a design whose force or angle is not
-//! positive has no place there and is left out. A front in the left panel need not be one in the right.
+//! positive stands on the edge, as a ring. A front in the left panel need not be one in the right.
 
 use plotters::prelude::*;
 use serde::{Serialize, Serializer, ser::SerializeStruct};
@@ -29,6 +29,19 @@ pub struct FrontPoint {
     pub flags: String,
     /// What the run asked besides bending and blocking.
     pub further: Vec<Column>,
+    /// What it reached, where that is known.
+    pub reached: Option<Reached>,
+}
+
+/// What a design reached at the pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// Chord angle of the tip at the end of the free path, degrees.
+    pub angle_deg: f64,
+    /// Pressure there, MPa: below the run's where the part itself ended the path.
+    pub bending_pressure: f64,
+    /// Pressure at the end of the blocked path, MPa.
+    pub blocking_pressure: f64,
 }
 
 /// A design's value in a column that not every table has.
@@ -42,11 +55,13 @@ pub struct Column {
     pub value: f64,
 }
 
-/// One row: a column for each field, and one for each further objective.
+/// One row: a column for each field, one for each further objective, and then what was reached.
 impl Serialize for FrontPoint {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { id, bending, blocking, figure_of_merit, max_force, flags, further } = self;
-        let mut row = serializer.serialize_struct("FrontPoint", 6 + further.len())?;
+        let Self { id, bending, blocking, figure_of_merit, max_force, flags, further, reached } =
+            self;
+        let more = further.len() + if reached.is_some() { 3 } else { 0 };
+        let mut row = serializer.serialize_struct("FrontPoint", 6 + more)?;
         row.serialize_field("id", id)?;
         row.serialize_field("bending", bending)?;
         row.serialize_field("blocking", blocking)?;
@@ -55,6 +70,11 @@ impl Serialize for FrontPoint {
         row.serialize_field("flags", flags)?;
         for column in further {
             row.serialize_field(column.name, &column.value)?;
+        }
+        if let Some(Reached { angle_deg, bending_pressure, blocking_pressure }) = reached {
+            row.serialize_field("angle_deg", angle_deg)?;
+            row.serialize_field("bending_pressure", bending_pressure)?;
+            row.serialize_field("blocking_pressure", blocking_pressure)?;
         }
         row.end()
     }
@@ -76,7 +96,39 @@ pub fn front_svg(front: &[FrontPoint], evaluated: &[[f64; 2]], solids: &[FrontPo
     })
 }
 
+/// The figure of the fronts of two runs with these `names`, in the objectives, as SVG.
+///
+/// # Panics
+/// Never: drawing into a string cannot fail.
+#[must_use]
+pub fn two_fronts_svg(names: [&str; 2], fronts: [&[FrontPoint]; 2]) -> String {
+    let marks = [FRONT, Mark { shape: Shape::Square, color: SMITH, radius: 4 }];
+    canvas::svg((780, 600), |area| {
+        let (panel, legend) = area.split_vertically(536);
+        let at = |point: &FrontPoint| [point.bending, point.blocking];
+        let is_finite = |[x, y]: &[f64; 2]| x.is_finite() && y.is_finite();
+        let fronts = fronts.map(|front| -> Vec<([f64; 2], &str)> {
+            front.iter().map(at).filter(is_finite).map(|at| (at, "")).collect()
+        });
+        let all = || fronts.iter().flatten();
+        let x = linear_range(all().map(|(at, _)| at[0]));
+        let y = linear_range(all().map(|(at, _)| at[1]));
+        let mut chart = canvas::panel(&panel, "Fronts of two runs")?.build_cartesian_2d(x, y)?;
+        canvas::draw_axes(&mut chart, "bending F_c, rad/(m·J)^(1/p)", "blocking F_bf, N/kPa")?;
+        for (front, mark) in fronts.iter().zip(marks) {
+            let line = mark.color.mix(0.45).stroke_width(1);
+            chart.draw_series(LineSeries::new(staircase(front), line))?;
+            for ([x, y], _) in front {
+                mark.draw(area, chart.backend_coord(&(*x, *y)))?;
+            }
+        }
+        let columns = [0, 1].map(|k| vec![(marks[k], names[k])]);
+        canvas::draw_legend(&legend.margin(8, 0, 90, 0), &columns, 330)
+    })
+}
+
 const FRONT: Mark = Mark { shape: Shape::Disk, color: OURS, radius: 5 };
+const ON_EDGE: Mark = Mark { shape: Shape::Ring, color: OURS, radius: 5 };
 const SOLIDS: Mark = Mark { shape: Shape::Square, color: INK, radius: 4 };
 const EVALUATED: Mark = Mark { shape: Shape::Disk, color: RGBColor(205, 210, 216), radius: 2 };
 /// The band around a mark that a label may not cover, pixels.
@@ -123,17 +175,15 @@ fn draw_comparison(
     front: &[FrontPoint],
     solids: &[FrontPoint],
 ) -> Drawn {
-    let has_place = |x: f64, y: f64| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite();
-    let placed = |front: &'_ [FrontPoint]| -> Vec<FrontPoint> {
-        let points = front.iter();
-        points.filter(|point| has_place(point.figure_of_merit, point.max_force)).cloned().collect()
-    };
-    let (named, solids) = (placed(front), placed(solids));
     let others = published();
-    let x = named.iter().chain(&solids).map(|point| point.figure_of_merit);
-    let x = log_range(x.chain(others.iter().map(|point| point.figure_of_merit)));
-    let y = named.iter().chain(&solids).map(|point| point.max_force);
-    let y = log_range(y.chain(others.iter().map(|point| point.max_force)));
+    let axis = |value: fn(&FrontPoint) -> f64, of_others: fn(&Published) -> f64| {
+        let ours = front.iter().chain(solids).map(value);
+        let values: Vec<f64> = ours.chain(others.iter().map(of_others)).collect();
+        log_range(values.iter().copied().filter(|value| *value > 0.0 && value.is_finite()))
+    };
+    let x = axis(|point| point.figure_of_merit, |point| point.figure_of_merit);
+    let y = axis(|point| point.max_force, |point| point.max_force);
+    let least = [x.start, y.start];
     let mut chart = canvas::panel(panel, "Against the literature (Smith et al. 2022, Fig. 3)")?
         .build_cartesian_2d(x.log_scale(), y.log_scale())?;
     canvas::draw_axes(&mut chart, "figure of merit, deg/(kPa·m)", "largest force, N")?;
@@ -143,15 +193,31 @@ fn draw_comparison(
         mark_of(point).draw(whole, at)?;
         taken.push(Frame::around(at, CLEARANCE));
     }
-    for point in &solids {
-        SOLIDS.draw(whole, chart.backend_coord(&(point.figure_of_merit, point.max_force)))?;
+    // Nothing, which has no logarithm, stands where the axis begins.
+    let place = |point: &FrontPoint| {
+        let at = [point.figure_of_merit, point.max_force];
+        let is_known = at.iter().all(|value| value.is_finite());
+        let is_inside = at.iter().all(|value| *value > 0.0);
+        let [x, y] = [0, 1].map(|k| at[k].max(least[k]));
+        is_known.then(|| (chart.backend_coord(&(x, y)), is_inside))
+    };
+    for (at, is_inside) in solids.iter().filter_map(place) {
+        let shape = if is_inside { SOLIDS.shape } else { Shape::HollowSquare };
+        Mark { shape, ..SOLIDS }.draw(whole, at)?;
     }
-    let marks = named
-        .iter()
-        .map(|point| {
-            (chart.backend_coord(&(point.figure_of_merit, point.max_force)), point.id.as_str())
-        })
-        .collect();
+    let placed = front.iter().filter_map(|point| Some((place(point)?, point.id.as_str())));
+    let (inside, on_edge): (Vec<_>, Vec<_>) = placed.partition(|((_, is_inside), _)| *is_inside);
+    for ((at, _), _) in &on_edge {
+        ON_EDGE.draw(whole, *at)?;
+        taken.push(Frame::around(*at, CLEARANCE));
+    }
+    if !on_edge.is_empty() {
+        let Frame(left, top, ..) = frame_of(chart.plotting_area());
+        let words = "rings on the edge: no force, or no angle";
+        let at = (left + 8, top + 4);
+        whole.draw(&Text::new(words, at, canvas::letters(11.0, OURS)))?;
+    }
+    let marks = inside.into_iter().map(|((at, _), id)| (at, id)).collect();
     draw_front(whole, frame_of(chart.plotting_area()), taken, marks)
 }
 
@@ -245,6 +311,7 @@ mod tests {
             max_force,
             flags: String::new(),
             further: Vec::new(),
+            reached: None,
         }
     }
 
@@ -289,13 +356,31 @@ mod tests {
         assert_ne!(svg(&front), svg(&front[..1]));
     }
 
+    /// A design without force or angle is a ring on the edge of the right panel; what is no number has no place.
     #[test]
-    fn what_has_no_place_on_an_axis_is_left_out() {
+    fn what_has_no_logarithm_stands_on_the_edge() {
         let svg =
             front_svg(&[point(1, 0.0), point(2, f64::NAN), point(3, 1.0)], &[[f64::NAN, 0.0]], &[]);
         assert_eq!(marks(&svg).len(), 3 + 1 + 1);
+        let rings = svg
+            .lines()
+            .filter(|line| line.starts_with("<circle") && line.contains("stroke=\"#C8202F\""));
+        assert_eq!(rings.count(), 1);
+        assert!(svg.contains("rings on the edge"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         assert_eq!(marks(&front_svg(&[], &[], &[])).len(), 1);
+    }
+
+    #[test]
+    fn two_fronts_have_a_mark_each() {
+        let svg = two_fronts_svg(
+            ["runs/a", "runs/b"],
+            [&[point(1, 9.0)], &[point(2, 3.0), point(3, 1.0)]],
+        );
+        assert!(svg.contains("runs/a") && svg.contains("runs/b"));
+        // One and two in the panel, one each in the legend.
+        assert_eq!(marks(&svg).len(), 2);
+        assert_eq!(svg.matches("fill=\"#3E6A9E\"").count(), 3);
     }
 
     #[test]

@@ -61,10 +61,17 @@ pub fn standing(points: &[FrontPoint]) -> Option<String> {
     let adapted = points.iter().max_by_key(|point| scaled(point).0)?;
     let (count, of) = dominated(best.figure_of_merit, best.max_force, 1.0);
     let (more, stiffness) = scaled(adapted);
-    Some(format!(
-        "{} bends and pushes better than {count} of {of} published works; {}, were its material {stiffness:.2} times as stiff, than {more}",
-        best.id, adapted.id
-    ))
+    let now = match count {
+        0 => format!("no design both bends and pushes better than any of {of} published works"),
+        _ => format!("{} bends and pushes better than {count} of {of} published works", best.id),
+    };
+    let material = format!("were its material {stiffness:.2} times as stiff");
+    Some(match (count, more) {
+        (0, 0) => format!("{now}, whatever the stiffness of its material"),
+        (0, _) => format!("{now}; {}, {material}, would be better than {more}", adapted.id),
+        _ if more > count => format!("{now}; {}, {material}, than {more}", adapted.id),
+        _ => now,
+    })
 }
 
 type Group<'a> = (&'a str, Mark, Vec<f64>);
@@ -108,7 +115,8 @@ fn groups<'a>(front: &[FrontPoint], solids: &[FrontPoint]) -> Vec<Group<'a>> {
         ),
     ];
     for (_, _, products) in &mut groups {
-        products.retain(|product| *product > 0.0 && product.is_finite());
+        // A product of nothing stands at the end of the axis.
+        products.retain(|product| *product >= 0.0 && product.is_finite());
     }
     groups.retain(|(_, _, products)| !products.is_empty());
     groups
@@ -142,6 +150,7 @@ mod tests {
             max_force,
             flags: String::new(),
             further: Vec::new(),
+            reached: None,
         };
         // The same geometry of a material ten times as stiff, and one without force.
         let front = [point(10.0, 1.0), point(1.0, 10.0), point(1.0, 0.0)];
@@ -150,13 +159,20 @@ mod tests {
             .lines()
             .filter(|line| line.starts_with("<circle") && line.contains("C8202F"))
             .collect();
-        assert_eq!(disks.len(), 2);
+        assert_eq!(disks.len(), 3);
         assert_eq!(disks[0], disks[1]);
+        assert!(disks[2].contains(&format!("cx=\"{LEFT}\"")), "{disks:?}");
         assert!(disks[0].contains(&format!("cx=\"{}\"", x_of(10.0))), "{disks:?}");
         assert!(!svg.contains("the same as solids") && !svg.contains("NaN"));
         assert_eq!(merit_svg(&[], &[]).matches("this run").count(), 0);
         assert_eq!(standing(&[]), None);
         let said = standing(&front).unwrap();
         assert!(said.contains("of 24 published works"), "{said}");
+        // Where nothing is beaten, nothing is claimed.
+        let said = standing(&[point(1.0, 0.0), point(0.0, 3.0)]).unwrap();
+        assert_eq!(
+            said,
+            "no design both bends and pushes better than any of 24 published works, whatever the stiffness of its material"
+        );
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! It asks for no other file, so that it can be sent and kept. Every text of a run is escaped: names and reasons are data.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{FrontPoint, OutcomeCount, front_table};
@@ -23,6 +25,8 @@ pub struct ReportPage<'a> {
     pub outcomes: &'a [OutcomeCount],
     /// Captions and SVG texts, made by this room.
     pub figures: &'a [(&'a str, String)],
+    /// Of some designs their names and a picture (PNG).
+    pub designs: &'a [(String, Vec<u8>)],
     /// Files as they are in the folder, with their names.
     pub files: &'a [(&'a str, String)],
 }
@@ -30,7 +34,7 @@ pub struct ReportPage<'a> {
 const STYLE: &str = "
 body { font: 16px/1.5 sans-serif; color: #222; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
-figure { margin: 1.5rem 0; } figure svg { max-width: 100%; height: auto; background: #fff; }
+figure { margin: 1.5rem 0; } figure svg, figure img { max-width: 100%; height: auto; background: #fff; }
 figcaption { color: #555; }
 pre { background: #f4f4f4; padding: 1rem; overflow-x: auto; font-size: 13px; line-height: 1.4; }
 table { border-collapse: collapse; } td, th { padding: .15rem .8rem; text-align: right; }
@@ -47,7 +51,7 @@ impl ReportPage<'_> {
                 head {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width";
-                    meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'";
+                    meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
                     title { (self.title) }
                     style { (PreEscaped(STYLE)) }
                 }
@@ -65,6 +69,15 @@ impl ReportPage<'_> {
                 figure {
                     (PreEscaped(svg))
                     figcaption { (caption) }
+                }
+            }
+            @if !self.designs.is_empty() {
+                h2 { "Designs of the front" }
+                @for (name, png) in self.designs {
+                    figure {
+                        img alt=(format!("{name} at rest, bent and blocked")) src=(data_uri(png));
+                        figcaption { (name) }
+                    }
                 }
             }
             h2 { "The front" }
@@ -93,6 +106,11 @@ impl ReportPage<'_> {
     }
 }
 
+/// A picture within the page itself.
+fn data_uri(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -108,6 +126,7 @@ mod tests {
             max_force: 4.0,
             flags: markup.to_owned(),
             further: Vec::new(),
+            reached: None,
         };
         let outcome = OutcomeCount { outcome: markup.to_owned(), rejected: true, candidates: 7 };
         let page = ReportPage {
@@ -118,12 +137,14 @@ mod tests {
             solids: std::slice::from_ref(&point),
             outcomes: &[outcome],
             figures: &[("a caption", "<svg></svg>".to_owned())],
+            designs: &[(markup.to_owned(), vec![0, 255])],
             files: &[("run.toml", markup.to_owned())],
         };
         let html = page.html();
         assert!(!html.contains("<script"), "{html}");
-        // Title twice, summary, methods, outcome, file, and id and flags of both tables.
-        assert_eq!(html.matches("&lt;script&gt;").count(), 10);
+        // Title twice, summary, methods, outcome, file, a design twice, and id and flags of both tables.
+        assert_eq!(html.matches("&lt;script&gt;").count(), 12);
+        assert!(html.contains("src=\"data:image/png;base64,AP8=\""));
         assert!(html.contains("<svg></svg>"));
         // Nothing is fetched from elsewhere.
         assert!(!html.contains("http://") && !html.contains("https://"));

@@ -1,26 +1,36 @@
 //! The front as plain text for a terminal: one design a line, numbers right-aligned.
 
-use super::FrontPoint;
+use super::{FrontPoint, Reached};
 
 /// The table of a `front`, in its order, ending with a line break.
 #[must_use]
 pub fn front_table(front: &[FrontPoint]) -> String {
     let further = front.first().map_or(&[][..], |point| &point.further);
-    let row = |id: &str, numbers: [&str; 4], further: Vec<String>, flags: &str| -> Vec<String> {
-        let begin = [id].into_iter().chain(numbers).map(str::to_owned);
-        begin.chain(further).chain([flags.to_owned()]).collect()
-    };
+    let has_reached = front.iter().any(|point| point.reached.is_some());
+    let row =
+        |id: &str, numbers: [&str; 4], reached: [&str; 2], further: Vec<String>, flags: &str| {
+            let begin = [id].into_iter().chain(numbers).map(str::to_owned);
+            let reached = reached.into_iter().filter(|_| has_reached).map(str::to_owned);
+            begin.chain(reached).chain(further).chain([flags.to_owned()]).collect()
+        };
     let names = ["F_c", "F_bf", "figure of merit", "largest force"];
     let units = ["rad/(m J)^1/p", "N/kPa", "deg/(kPa m)", "N"];
-    let head = [
-        row("design", names, further.iter().map(|c| c.name.replace('_', " ")).collect(), "flags"),
-        row("", units, further.iter().map(|column| column.unit.to_owned()).collect(), ""),
+    let further_names = further.iter().map(|c| c.name.replace('_', " ")).collect();
+    let further_units = further.iter().map(|column| column.unit.to_owned()).collect();
+    let head: [Vec<String>; 2] = [
+        row("design", names, ["angle", "at pressure"], further_names, "flags"),
+        row("", units, ["deg", "MPa"], further_units, ""),
     ];
     let rows = front.iter().map(|point| {
         let numbers = [point.bending, point.blocking, point.figure_of_merit, point.max_force];
         let numbers = numbers.map(significant);
+        let reached = point.reached.map_or([const { String::new() }; 2], |reached| {
+            let Reached { angle_deg, bending_pressure, .. } = reached;
+            [angle_deg, bending_pressure].map(significant)
+        });
         let further = point.further.iter().map(|column| significant(column.value)).collect();
-        row(&point.id, numbers.each_ref().map(String::as_str), further, &point.flags)
+        let reached = reached.each_ref().map(String::as_str);
+        row(&point.id, numbers.each_ref().map(String::as_str), reached, further, &point.flags)
     });
     let rows: Vec<Vec<String>> = head.into_iter().chain(rows).collect();
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
@@ -65,6 +75,7 @@ mod tests {
             max_force,
             flags: if max_force == 0.0 { "tiny_energy".to_owned() } else { String::new() },
             further: Vec::new(),
+            reached: None,
         };
         let table = front_table(&[point("7", 0.171_23, 0.0), point("g12-03", 54.2, 2e-4)]);
         let expected = "\
@@ -74,6 +85,30 @@ design            F_c   F_bf  figure of merit  largest force        flags
 g12-03          54.20  12.00          1.235e6       2.000e-4
 ";
         assert_eq!(table, expected);
+    }
+
+    /// Angles stand with the pressure that they were reached at.
+    #[test]
+    fn what_was_reached_is_in_degrees() {
+        let point = FrontPoint {
+            id: "7".to_owned(),
+            bending: 1.0,
+            blocking: 2.0,
+            figure_of_merit: 3.0,
+            max_force: 4.0,
+            flags: String::new(),
+            further: Vec::new(),
+            reached: Some(Reached {
+                angle_deg: 43.21,
+                bending_pressure: 0.15,
+                blocking_pressure: 0.2,
+            }),
+        };
+        let table = front_table(&[point]);
+        let ends = ["angle  at pressure  flags", "deg          MPa", "43.21       0.1500"];
+        for (line, end) in table.lines().zip(ends) {
+            assert!(line.ends_with(end), "{table}");
+        }
     }
 
     #[test]
@@ -87,6 +122,7 @@ g12-03          54.20  12.00          1.235e6       2.000e-4
             max_force: 4.0,
             flags: String::new(),
             further: vec![column],
+            reached: None,
         };
         let table = front_table(&[point]);
         let ends = ["largest force  wall volume  flags", "N         cm^3", "4.000        12.50"];

@@ -93,7 +93,9 @@ fn a_run_writes_what_it_promises() {
     assert!(hypervolume.is_sorted(), "elitism never loses: {hypervolume:?}");
 
     let front = run.read("out/front.csv");
-    assert!(front.starts_with("id,bending,blocking,figure_of_merit,max_force,flags\n"), "{front}");
+    let reached = "angle_deg,bending_pressure,blocking_pressure";
+    let columns = format!("id,bending,blocking,figure_of_merit,max_force,flags,{reached}\n");
+    assert!(front.starts_with(&columns), "{front}");
     let members: Vec<&str> =
         front.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
     assert!(!members.is_empty());
@@ -131,7 +133,9 @@ fn a_further_objective_is_searched_for() {
     let told: serde_json::Value = serde_json::from_str(&said.out).unwrap();
     let columns = workshop.read("out/front.csv");
     assert!(
-        columns.starts_with("id,bending,blocking,figure_of_merit,max_force,flags,wall_volume\n"),
+        columns.starts_with(
+            "id,bending,blocking,figure_of_merit,max_force,flags,wall_volume,angle_deg,"
+        ),
         "{columns}"
     );
     let volumes = workshop.column("out/front.csv", "wall_volume");

@@ -9,6 +9,7 @@ mod hostile_files;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;
+mod pictures;
 mod simulate;
 mod solids;
 mod verify;

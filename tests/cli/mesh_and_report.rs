@@ -51,7 +51,9 @@ fn report_draws_again_what_the_run_wrote() {
     let page = reported.remove(&workshop.path("out/report.html")).unwrap().unwrap();
     assert!(reported == written, "report does not draw what evolve drew");
     let page = String::from_utf8(page).unwrap();
-    assert_eq!(page.matches("<svg").count(), 4);
+    // Four figures, and the curves of what is on the front.
+    let front = workshop.read("out/front.csv").lines().count() - 1;
+    assert_eq!(page.matches("<svg").count(), if front > 0 { 5 } else { 4 });
     let run = workshop.read("out/run.toml").replace('"', "&quot;");
     assert!(page.contains(&run), "the page has every setting");
     for words in [

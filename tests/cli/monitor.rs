@@ -5,6 +5,8 @@ use std::net::{SocketAddr, TcpStream};
 use std::process::{Child, ChildStdout};
 use std::time::Duration;
 
+use rustix::fs::{CWD, FileType, Mode, mknodat};
+
 use super::evolve::{copy_of_finished, finished};
 use super::workshop::Workshop;
 
@@ -252,4 +254,46 @@ fn wrong_folders_and_taken_ports_are_refused() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
     finished().refuse(&["monitor", "out", "--port", &port], 1, &["--port", &port]);
+}
+
+/// A pipe that nobody writes to blocks who opens it: it is named instead, and the run is shown again when it is gone.
+#[test]
+fn a_pipe_in_the_folder_is_no_trap() {
+    let workshop = copy_of_finished();
+    let monitor = Monitor::of(&workshop);
+    for name in ["running.jsonl", "checkpoints/99999999", "provenance.json", "front_solid.csv"] {
+        let path = workshop.path("out").join(name);
+        let kept = std::fs::read(&path).ok();
+        let _ = std::fs::remove_file(&path);
+        mknodat(CWD, &path, FileType::Fifo, Mode::RWXU, 0).unwrap();
+        // Twice, as a page does, and of a design too.
+        for question in ["/api/run", "/api/run", "/api/design/g000-000"] {
+            let answer = monitor.get(question);
+            assert!([200, 500].contains(&answer.status), "{name}: {}", answer.body);
+        }
+        std::fs::remove_file(&path).unwrap();
+        if let Some(kept) = kept {
+            std::fs::write(&path, kept).unwrap();
+        }
+        assert_eq!(monitor.get("/api/run").status, 200, "{name}");
+    }
+}
+
+/// Whoever sends half a request keeps no place for ever: all places taken so are free again after 15 seconds.
+#[test]
+fn half_sent_requests_are_closed() {
+    let workshop = finished();
+    let monitor = Monitor::of(workshop);
+    let half = |_| {
+        let mut stream = TcpStream::connect(monitor.address).unwrap();
+        stream.write_all(b"GET /api/run HTTP/1.1\r\nHost: local").unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        stream
+    };
+    let halves: Vec<TcpStream> = (0..64).map(half).collect();
+    assert_eq!(monitor.get("/api/run").status, 200);
+    for mut stream in halves {
+        // The end, or a word that it took too long, and then the end.
+        let _ = stream.read_to_end(&mut Vec::new());
+    }
 }

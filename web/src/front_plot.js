@@ -263,7 +263,8 @@ function tooltip(item, axes) {
   if (item.work !== undefined) return [`${item.work}, ${words(item.technique)}`, ...values];
   if (item.verdict !== undefined) return [`${item.id} as a solid: ${words(item.verdict)}`, ...values];
   const flags = item.flags === "" ? [] : [`flagged: ${item.flags.split(" ").map(words).join(", ")}`];
-  return [item.id, ...values, ...flags];
+  const reached = item.angle_deg === undefined ? [] : [`${number(item.angle_deg, 3)}° at ${number(item.bending_pressure, 3)} MPa, ${number(item.max_force, 3)} N`];
+  return [item.id, ...values, ...reached, ...flags];
 }
 
 /** What these axes leave out. */

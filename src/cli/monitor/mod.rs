@@ -4,19 +4,18 @@
 //! computed when somebody asks for it.
 
 mod overview;
+mod reader;
 mod shape;
 
 use std::collections::VecDeque;
-use std::fs;
 use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime};
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use serde::Serialize;
 
-use self::overview::{Overview, read_records};
+use self::reader::Reader;
 use super::run_folder::{Record, RunFolder};
 use super::{one_line, say, warn};
 use crate::evolve::IndividualId;
@@ -45,66 +44,17 @@ pub(super) fn run(path: &Path, address: IpAddr, port: u16) -> anyhow::Result<()>
 /// Shapes that are kept: some 20 MB.
 const KEPT: usize = 24;
 
-/// Larger files are not read: a candidate takes 1 kB.
-const LARGEST_FILE: u64 = 1 << 30;
-
-/// A run that writes nothing for so long has stopped: a candidate takes seconds.
-const SILENCE: Duration = Duration::from_secs(300);
-
 /// A run folder that somebody looks at.
 struct Watched {
     path: PathBuf,
-    overview: Mutex<Option<(Signature, Arc<[u8]>)>>,
+    reader: Reader,
     /// The last shapes asked for, the newest first; whoever computes one holds the lock, so that a page does not take all cores.
     shapes: Mutex<VecDeque<(IndividualId, Arc<[u8]>)>>,
 }
 
-/// By which files are known to be the same: lengths, times, and whether the newest is old.
-type Signature = (Vec<(u64, Option<SystemTime>)>, bool);
-
 impl Watched {
     fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), overview: Mutex::default(), shapes: Mutex::default() }
-    }
-
-    /// Files that change while a run goes on.
-    fn signature(&self) -> anyhow::Result<Signature> {
-        let names =
-            ["run.toml", "candidates.jsonl", "running.jsonl", "front.csv", "front_solid.csv"];
-        let mut files = Vec::new();
-        for path in names.map(|name| self.path.join(name)).into_iter().chain(self.checkpoints()) {
-            let Ok(metadata) = fs::metadata(&path) else {
-                files.push((0, None));
-                continue;
-            };
-            ensure!(metadata.len() <= LARGEST_FILE, "{} is too large to be shown", path.display());
-            ensure!(metadata.is_file(), "{} is not a file", path.display());
-            files.push((metadata.len(), metadata.modified().ok()));
-        }
-        let newest = files.iter().filter_map(|file| file.1).max();
-        let age = newest.and_then(|newest| newest.elapsed().ok()).unwrap_or_default();
-        Ok((files, age > SILENCE))
-    }
-
-    fn checkpoints(&self) -> Vec<PathBuf> {
-        let entries = fs::read_dir(self.path.join("checkpoints")).into_iter().flatten().flatten();
-        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-        paths.sort();
-        paths
-    }
-
-    fn overview(&self) -> anyhow::Result<Arc<[u8]>> {
-        let signature = self.signature()?;
-        let mut kept = lock(&self.overview);
-        match &*kept {
-            Some((of, bytes)) if *of == signature => Ok(bytes.clone()),
-            _ => {
-                let overview = Overview::read(&self.path, signature.1)?;
-                let bytes: Arc<[u8]> = serde_json::to_vec(&overview)?.into();
-                *kept = Some((signature, bytes.clone()));
-                Ok(bytes)
-            }
-        }
+        Self { path: path.to_owned(), reader: Reader::of(path), shapes: Mutex::default() }
     }
 
     /// What was recorded of `id`.
@@ -112,9 +62,8 @@ impl Watched {
         let id: IndividualId = id.parse().map_err(|_| {
             Refusal::Unknown("designs are called by generation and index, such as g003-017".into())
         })?;
-        self.signature().map_err(|error| failed(&error))?;
-        let (records, _) = read_records(&self.path).map_err(|error| failed(&error))?;
-        let record = records.into_iter().find(|record| record.id == id);
+        let (_, records) = self.reader.read().map_err(|error| failed(&error))?;
+        let record = records.iter().find(|record| record.id == id).cloned();
         record.ok_or_else(|| Refusal::Unknown(format!("there is no {id} in this run yet")))
     }
 
@@ -148,7 +97,7 @@ impl Watched {
 
 impl Source for Watched {
     fn run(&self) -> Answer {
-        self.overview().map_err(|error| failed(&error))
+        self.reader.read().map(|(overview, _)| overview).map_err(|error| failed(&error))
     }
 
     fn design(&self, id: &str) -> Answer {

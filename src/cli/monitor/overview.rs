@@ -67,6 +67,9 @@ struct Point {
     blocking: f64,
     figure_of_merit: f64,
     max_force: f64,
+    /// Degrees, at the pressure (MPa) behind it.
+    angle_deg: f64,
+    bending_pressure: f64,
     flags: String,
 }
 
@@ -82,8 +85,14 @@ struct SolidPoint {
 }
 
 impl Overview {
-    /// Reads the run in `path`, which is `silent` when it has written nothing for minutes.
-    pub(super) fn read(path: &Path, silent: bool) -> anyhow::Result<Self> {
+    /// Reads the run in `path` with its `records`, of which so many lines were left out, which is `silent` when it has written nothing for
+    /// minutes.
+    pub(super) fn read(
+        path: &Path,
+        records: &[Record],
+        left_out: usize,
+        silent: bool,
+    ) -> anyhow::Result<Self> {
         let folder = RunFolder::open(path)?;
         let run = folder.run_file()?;
         let (state, damaged) = folder.load()?;
@@ -91,7 +100,6 @@ impl Overview {
             .into_iter()
             .map(|line| format!("{line}; the checkpoint before it is shown"))
             .collect();
-        let (records, left_out) = read_records(path)?;
         if left_out > 0 {
             warnings.push(format!("{left_out} damaged lines of candidates are left out"));
         }
@@ -101,7 +109,7 @@ impl Overview {
         };
         let (generation, generations) = (history.len(), run.evolution.generations);
         let population = run.evolution.population;
-        let ranks = throughput(&records);
+        let ranks = throughput(records);
         let left = (population * generations).saturating_sub(records.len());
         let rate: f64 = ranks.iter().map(|rank| rank.per_hour).sum();
         let state = match () {
@@ -127,7 +135,7 @@ impl Overview {
             in_generation: records.iter().filter(|r| r.id.generation == generation).count(),
             ranks,
             history,
-            outcomes: outcome_counts(&records),
+            outcomes: outcome_counts(records),
             candidates: records.iter().filter_map(point).collect(),
             front,
             solids: solids.iter().filter_map(solid_point).collect(),
@@ -176,6 +184,8 @@ fn point(record: &Record) -> Option<Point> {
         blocking: evaluation.blocking,
         figure_of_merit: evaluation.figure_of_merit,
         max_force: evaluation.max_force,
+        angle_deg: evaluation.angle_deg,
+        bending_pressure: evaluation.bending_pressure,
         flags: flags(&evaluation.exploits),
     })
 }

@@ -137,6 +137,25 @@ impl Planes {
         self.in_place().map(|plane| plane.state(key, positions)).collect()
     }
 
+    /// Adds what the planes in place do to each sample: its gap, mm, where it is smaller than before or that was none, and its
+    /// pressure, MPa.
+    pub(in crate::model) fn add_contact(
+        &self,
+        positions: &[Vec3],
+        gaps: &mut [f64],
+        pressures: &mut [f64],
+    ) {
+        for contact in self.in_place().map(|plane| plane.contact.inner()) {
+            for s in contact.samples() {
+                gaps[s] = contact.gap(s, positions).min(gaps[s]);
+                let force = contact.normal_force(s, positions);
+                if force > 0.0 {
+                    pressures[s] += force / contact.area(s);
+                }
+            }
+        }
+    }
+
     /// Brings the normal forces of friction up to `positions`; returns the largest share by which a plane's changed.
     pub(in crate::model) fn refresh(&mut self, positions: &[Vec3]) -> f64 {
         let refresh = |(contact, friction): (&PlaneContact, &mut Friction)| {

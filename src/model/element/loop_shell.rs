@@ -16,6 +16,7 @@ use super::kinematics::{Derivatives, Row};
 use super::loop_patch::LoopBasis;
 use super::points::ascending;
 use super::wall_point::{Creases, WallPoint, bending_depth};
+use super::wall_state::{ShellState, states_of_triangles};
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::Stencil;
 use crate::model::local::{LocalDerivatives, Term};
@@ -29,6 +30,8 @@ pub struct LoopShell {
     points: Vec<WallPoint>,
     /// `[,1 ,2 ,11 ,22 ,12]` of each node of each stencil at its barycentre.
     basis: Vec<Vec<Row>>,
+    /// Of each triangle how many points it has.
+    counts: Vec<u8>,
     material: Material,
     creased_share: f64,
 }
@@ -49,6 +52,7 @@ impl LoopShell {
             stencils: Vec::with_capacity(bases.len()),
             points: Vec::with_capacity(bases.len()),
             basis: Vec::with_capacity(bases.len()),
+            counts: bases.iter().map(|basis| basis.points.len() as u8).collect(),
             material,
             creased_share: 0.0,
         };
@@ -84,6 +88,24 @@ impl LoopShell {
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.points.iter().map(WallPoint::volume).sum()
+    }
+
+    /// What the wall of `thickness` (mm) bears in each triangle, with its control points at `reference` at rest and `x` now.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where an element has collapsed.
+    pub fn states(
+        &self,
+        reference: &[Vec3],
+        x: &[Vec3],
+        thickness: f64,
+    ) -> Result<Vec<ShellState>, Inadmissible> {
+        let forms = |s: usize, x: &[Vec3]| {
+            let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
+            Derivatives::new(&self.basis[s], &nodes).forms()
+        };
+        let both = |s| Ok([forms(s, reference)?, forms(s, x)?]);
+        states_of_triangles(&self.counts, both, thickness, &self.material)
     }
 }
 
@@ -152,6 +174,7 @@ mod tests {
             let forms = Derivatives::new(rows, &flat).forms().unwrap();
             let point = WallPoint::new(forms, area, thickness, 1.0);
             let shell = LoopShell {
+                counts: vec![1],
                 stencils: vec![(0..flat.len() as u32).collect()],
                 points: vec![point],
                 basis: vec![rows.clone()],

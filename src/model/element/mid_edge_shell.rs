@@ -14,6 +14,7 @@ use nalgebra::Matrix3;
 
 use super::mid_edge::MidEdge;
 use super::wall_point::{Creases, WallPoint, bending_depth};
+use super::wall_state::{ShellState, states_of_triangles};
 use crate::math::{Rejected, Room, Vec3};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::Material;
@@ -79,6 +80,25 @@ impl MidEdgeShell {
     #[must_use]
     pub fn volume(&self) -> f64 {
         self.points.iter().map(WallPoint::volume).sum()
+    }
+
+    /// What the wall of `thickness` (mm) bears in each triangle, with its nodes at `reference` at rest and `x` now.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where an element has collapsed.
+    pub fn states(
+        &self,
+        reference: &[Vec3],
+        x: &[Vec3],
+        thickness: f64,
+    ) -> Result<Vec<ShellState>, Inadmissible> {
+        let forms = |s: usize, x: &[Vec3]| {
+            let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
+            Ok(self.geometry(s, &nodes)?.forms())
+        };
+        let both = |s| Ok([forms(s, reference)?, forms(s, x)?]);
+        let counts = vec![1; self.points.len()];
+        states_of_triangles(&counts, both, thickness, &self.material)
     }
 
     fn geometry(&self, s: usize, x: &[Vec3]) -> Result<MidEdge, Inadmissible> {

@@ -10,8 +10,10 @@ mod loop_shell;
 mod mid_edge;
 mod mid_edge_shell;
 mod points;
+mod solid_state;
 mod taylor_hood;
 mod wall_point;
+mod wall_state;
 
 pub use facet_fit::volume_matched;
 pub use fit::fitted_control_points;
@@ -20,4 +22,6 @@ pub use loop_shell::LoopShell;
 pub use mid_edge_shell::{MidEdgeShell, mid_edge_patches};
 pub(in crate::model) use points::ascending;
 pub use points::{ElementPoints, Sample, SampledSurface};
+pub use solid_state::SolidState;
 pub use taylor_hood::TaylorHood;
+pub use wall_state::ShellState;

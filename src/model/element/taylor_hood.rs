@@ -92,6 +92,38 @@ impl TaylorHood {
         sums.into_iter().map(|sum| if sum > 0.0 { sum } else { 1.0 }).collect()
     }
 
+    /// The ten nodes of each cell, in the order of [`SolidMesh`].
+    pub(super) fn tetrahedra(&self) -> impl Iterator<Item = [u32; NODES]> {
+        self.stencils.iter().zip(&self.cells).map(|(stencil, cell)| {
+            let mut nodes = [0; NODES];
+            for (&node, local) in stencil.iter().zip(cell.nodes) {
+                nodes[local as usize] = node;
+            }
+            nodes
+        })
+    }
+
+    /// MPa for each mm of the unknown of a corner.
+    pub(super) fn pressure_unit(&self) -> f64 {
+        self.pressure_unit
+    }
+
+    /// Of the points of cell `s` the volume (mm^3), the deformation gradient, and Cauchy's stress (MPa), with its nodes at `x` and the
+    /// unknowns `q` of its corners, both in the order of its stencil.
+    pub(super) fn states_at_points(
+        &self,
+        s: usize,
+        x: &[Vec3],
+        q: &[Vec3],
+    ) -> impl Iterator<Item = (f64, Matrix3<f64>, Matrix3<f64>)> {
+        self.shapes(s).flatten().map(move |shapes| {
+            let f = shapes.deformation_gradient(x);
+            let p = self.pressure(&shapes, q);
+            let nominal = self.law.response(&f, false).stress + p * cofactor(&f);
+            (shapes.dv, f, nominal * f.transpose() / f.determinant())
+        })
+    }
+
     /// What the shape functions are at the points of quadrature of cell `s`; none where the cell is inverted at rest.
     fn shapes(&self, s: usize) -> impl Iterator<Item = Option<Shapes>> {
         let Cell { nodes, corners } = self.cells[s];

@@ -12,7 +12,8 @@ use crate::model::element::{ElementPoints, SampledSurface};
 #[derive(Clone, Debug)]
 pub(in crate::model) struct Folds {
     points: Vec<ElementPoints>,
-    thickness: f64,
+    /// mm.
+    pub(in crate::model) thickness: f64,
     surface: OnceLock<Arc<WallSurface>>,
     /// Whether a touch ends the model's validity, where there is no contact.
     pub(in crate::model) is_watched: bool,

@@ -154,6 +154,34 @@ impl WallContact {
         of_points.values().map(|force| force.norm()).fold(of_edges, |sum, force| sum + force)
     }
 
+    /// Adds what the wall does to itself to each sample: its gap, mm, where it is smaller than before or that was none, and its
+    /// pressure, MPa, of force over area at rest.
+    pub(in crate::model) fn add_contact(
+        &self,
+        positions: &[Vec3],
+        gaps: &mut [f64],
+        pressures: &mut [f64],
+    ) {
+        let x = self.surface.samples_at(positions);
+        let mut forces = vec![Vec3::zeros(); gaps.len()];
+        for (samples, pair) in self.listed_near(positions).pairs() {
+            let corners = at(&x, &samples, pair);
+            let gap = pair.closest(&corners).distance - pair.thickness;
+            let of_pair = pair.points.map(|point| samples[point as usize] as usize);
+            for sample in of_pair {
+                gaps[sample] = gap.min(gaps[sample]);
+            }
+            if let Ok(Some(derivatives)) = pair.derivatives(&corners, false) {
+                for (sample, force) in of_pair.into_iter().zip(derivatives.gradient) {
+                    forces[sample] += force;
+                }
+            }
+        }
+        for ((pressure, force), area) in pressures.iter_mut().zip(forces).zip(&self.surface.areas) {
+            *pressure += force.norm() / area;
+        }
+    }
+
     /// Gap of the mid-surfaces below which a barrier may act, mm.
     fn reach(&self) -> f64 {
         self.surface.thickness + self.settings.activation
