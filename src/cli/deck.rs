@@ -32,7 +32,7 @@ use crate::fitness::{LoadSettings, shell_of_network};
 use crate::genome::Genome;
 use crate::io::{OutputFolder, SolidCase, atomic, calculix, csv, febio, msh};
 use crate::math::Vec3;
-use crate::mesh::{ShellMesh, ShellSettings, SolidMesh};
+use crate::mesh::{Ends, ShellMesh, ShellSettings, SolidMesh};
 use crate::model::material::{Compressible, Material, Rubber};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
@@ -121,8 +121,7 @@ struct Subject {
     mesh: SolidMesh,
     report: Option<SolidReport>,
     wall: ShellSettings,
-    /// Below this z all is held, mm.
-    clamp_top: f64,
+    ends: Ends,
     material: Compressible,
     was_incompressible: bool,
     load: LoadSettings,
@@ -182,7 +181,7 @@ fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Result<Subject>
         mesh,
         report: Some(report),
         wall: settings.wall,
-        clamp_top: shell.clamp_top,
+        ends: Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &settings.wall),
         material,
         was_incompressible,
         load: settings.load,
@@ -209,18 +208,18 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
     }
     let given = scene.material.material()?;
     let material = compressible(&given, choices.poisson_ratio)?;
-    let (mesh, report, clamp_top) = match scene.part.source(path, &OnDisk)? {
+    let (mesh, report, ends) = match scene.part.source(path, &OnDisk)? {
         PartSource::Tetrahedra { mesh, .. } => {
-            let lowest = mesh.positions.iter().map(|x| x.z).fold(f64::INFINITY, f64::min);
-            let ShellSettings { thickness, clamp_height, .. } = scene.wall;
-            (mesh, None, lowest + (0.5 + clamp_height) * thickness)
+            let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
+            (mesh, None, ends)
         }
         source if source.is_actuator() => {
             let shell = shell(&scene, &source)?;
             let section = with_edge(scene.solid.unwrap_or_default(), choices)?;
             let law = Material::Compressible(material.clone());
             let (mesh, report) = solid(&shell, &law, &section)?;
-            (mesh, Some(report), shell.clamp_top)
+            let ends = Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &scene.wall);
+            (mesh, Some(report), ends)
         }
         _ => bail!(
             "[part] has no base to be clamped at; decks want a network, an STL file or tetrahedra"
@@ -233,7 +232,7 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
         mesh,
         report,
         wall: scene.wall,
-        clamp_top,
+        ends,
         material,
         was_incompressible: given.poisson_ratio() == 0.5,
         load: scene.load_settings(),
@@ -292,12 +291,12 @@ fn compressible(material: &Material, poisson_ratio: Option<f64>) -> anyhow::Resu
 impl Subject {
     fn write(self, out: &Path) -> anyhow::Result<()> {
         let Self { design, mesh, wall, material, load, .. } = &self;
-        let clamp = mesh.nodes_below(self.clamp_top);
-        let tip = tip_nodes(mesh, wall.tip_fraction);
+        let clamp = mesh.nodes_below(self.ends.clamp_top);
+        let tip = tip_nodes(mesh, &self.ends);
         ensure!(
             clamp.len() > 3 && tip.iter().all(|node| clamp.binary_search(node).is_err()),
             "the clamp below z = {:.3} mm holds {} nodes; it must hold 4 at least, and none of the tip's: see [wall]",
-            self.clamp_top,
+            self.ends.clamp_top,
             clamp.len()
         );
         ensure!(!mesh.chamber.is_empty(), "no face of the tetrahedra is tagged as chamber");
@@ -402,13 +401,11 @@ impl Subject {
     }
 }
 
-/// Nodes in the uppermost share of the part, ascending.
-fn tip_nodes(mesh: &SolidMesh, share: f64) -> Vec<u32> {
-    let heights = || mesh.positions.iter().map(|x| x.z);
-    let low = heights().fold(f64::INFINITY, f64::min);
-    let high = heights().fold(f64::NEG_INFINITY, f64::max);
-    let limit = high - share * (high - low);
-    (0..).zip(heights()).filter_map(|(node, z)| (z >= limit).then_some(node)).collect()
+/// The corners on the part's faces that are its tip, ascending: where `simulate` reads tetrahedra's.
+fn tip_nodes(mesh: &SolidMesh, ends: &Ends) -> Vec<u32> {
+    let (surface, nodes) = mesh.boundary();
+    let tip = ends.tip(surface.positions.iter().map(|x| x.z));
+    tip.into_iter().map(|vertex| nodes[vertex as usize]).collect()
 }
 
 fn displacements<'a>(

@@ -9,7 +9,7 @@ use super::scene_file::SceneFile;
 use super::watch::{Watch, Watched};
 use super::watch_curve::WatchCurve;
 use crate::math::cpu_seconds;
-use crate::mesh::{Patch, ShellMesh, ShellSettings, Side, SolidMesh};
+use crate::mesh::{Ends, Patch, ShellMesh, ShellSettings, Side, SolidMesh};
 use crate::model::system::{LoadedSystem, System};
 use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads};
 use crate::solve::{
@@ -114,26 +114,22 @@ pub(super) fn watches_of_closed(scene: &SceneFile, mesh: &ShellMesh) -> anyhow::
 
 /// A clamped wall of tetrahedra.
 fn of_tetrahedra(scene: &SceneFile, mesh: &SolidMesh) -> anyhow::Result<Shape> {
-    let ShellSettings { thickness, clamp_height, tip_fraction, .. } = scene.wall;
+    let ShellSettings { thickness, clamp_height, .. } = scene.wall;
     let (surface, _) = mesh.boundary();
-    let heights = || mesh.positions.iter().map(|x| x.z);
-    let base = heights().fold(f64::INFINITY, f64::min) + 0.5 * thickness;
-    let top = heights().fold(f64::NEG_INFINITY, f64::max) - 0.5 * thickness;
-    let clamped = mesh.nodes_below(base + clamp_height * thickness);
+    let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
+    let Ends { length, clamp_top, .. } = ends;
+    let clamped = mesh.nodes_below(clamp_top);
     ensure!(
         clamped.len() > 3,
-        "the clamp below z = {:.3} mm holds {} nodes, fewer than 4; see [wall] clamp_height",
-        base + clamp_height * thickness,
+        "the clamp below z = {clamp_top:.3} mm holds {} nodes, fewer than 4; see [wall] clamp_height",
         clamped.len()
     );
-    let length = top - base;
     ensure!(
-        base + clamp_height * thickness < top - tip_fraction * length && length > 0.0,
+        clamp_top < ends.tip_bottom && length > 0.0,
         "the clamp of {:.3} mm reaches the tip of a part of {length:.3} mm; is the file in mm? See [wall]",
         clamp_height * thickness
     );
-    let tip = (0u32..).zip(&surface.positions).filter(|(_, x)| x.z >= top - tip_fraction * length);
-    let vertices: Vec<u32> = tip.map(|(vertex, _)| vertex).collect();
+    let vertices = ends.tip(surface.positions.iter().map(|x| x.z));
     let planes = scene.plane_settings(scene.load_settings().pressure);
     let held = SolidMesh::unknowns_of(&clamped);
     let material = scene.material.material()?;

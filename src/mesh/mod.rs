@@ -1,6 +1,7 @@
 //! Which cells carry the computation? The shell mesh: control points, stencils, clamp and tip. The solid mesh: tetrahedra.
 
 mod curved;
+mod ends;
 mod from_field;
 mod layers;
 mod locate;
@@ -11,6 +12,7 @@ mod solid;
 pub mod tetrahedra;
 mod wall;
 
+pub use ends::Ends;
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
 pub use layers::unit_lattice;
 pub use locate::Location;

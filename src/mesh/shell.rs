@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Rings, Stencil};
+use super::{Ends, Rings, Stencil};
 use crate::math::{Rejected, Room};
 use crate::surface::TriangleMesh;
 
@@ -71,14 +71,9 @@ impl ShellMesh {
     pub fn new(surface: TriangleMesh, settings: &ShellSettings) -> Result<Self, Rejected> {
         let rings = Rings::new(surface.positions.len(), &surface.triangles)?;
         let heights = || surface.positions.iter().map(|p| p.z);
-        let base = heights().fold(f64::INFINITY, f64::min);
-        let top = heights().fold(f64::NEG_INFINITY, f64::max);
-        let length = top - base;
-        let clamp_top = base + settings.clamp_height * settings.thickness;
-        let vertices_where = |keep: &dyn Fn(f64) -> bool| -> Vec<u32> {
-            (0u32..).zip(heights()).filter_map(|(v, z)| keep(z).then_some(v)).collect()
-        };
-        let clamp = vertices_where(&|z| z < clamp_top);
+        let ends = Ends::of_middle(heights(), settings);
+        let Ends { base, length, clamp_top, .. } = ends;
+        let clamp = ends.held(heights());
         if clamp.len() < 3 {
             return Err(Rejected::new(
                 Room::Mesh,
@@ -90,7 +85,7 @@ impl ShellMesh {
                 1.0,
             ));
         }
-        let tip = vertices_where(&|z| z >= top - settings.tip_fraction * length);
+        let tip = ends.tip(heights());
         let stencils = surface.triangles.iter().map(|&t| Stencil::new(t, &rings)).collect();
         Ok(Self {
             surface,
