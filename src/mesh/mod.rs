@@ -3,6 +3,7 @@
 mod curved;
 mod from_field;
 mod layers;
+mod lid;
 mod locate;
 mod patch;
 mod rings;
@@ -13,6 +14,7 @@ mod wall;
 
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
 pub use layers::unit_lattice;
+pub use lid::{Lid, RimDefect};
 pub use locate::Location;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
