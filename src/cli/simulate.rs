@@ -21,9 +21,9 @@ use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, msh, stl, toml_file, vtu_solid};
+use crate::io::{ChamberChoice, OutputFolder, OwnSolid, atomic, msh, stl, toml_file, vtu_solid};
 use crate::math::{Rejected, cpu_seconds};
-use crate::mesh::{ShellMesh, SolidMesh};
+use crate::mesh::ShellMesh;
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
 use crate::solve::{Backend, Job, Path as Walked, SolveTimes, follow};
@@ -187,17 +187,9 @@ impl PartFiles for OnDisk {
         Ok(stl::read(path, stl::WELD_TOLERANCE)?)
     }
 
-    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
+    fn tetrahedra(&self, path: &Path, choice: &ChamberChoice) -> anyhow::Result<OwnSolid> {
         let is_vtu = path.extension().is_some_and(|extension| extension == "vtu");
-        let mesh = if is_vtu { vtu_solid::read(path)? } else { msh::read(path)? };
-        let overlapping = mesh.overlapping_faces();
-        if overlapping > 0 {
-            warn(&format!(
-                "{}: the tetrahedra overlap at {overlapping} faces; each counts in full",
-                path.display()
-            ));
-        }
-        Ok(mesh)
+        Ok(if is_vtu { vtu_solid::read(path, choice)? } else { msh::read(path, choice)? })
     }
 }
 

@@ -13,8 +13,10 @@ pub mod febio;
 pub mod gmsh;
 pub mod input;
 pub mod jsonl;
+mod marks;
 mod mesher;
 pub mod msh;
+mod own_solid;
 mod raw_solid;
 mod solid_case;
 pub mod stl;
@@ -26,4 +28,6 @@ pub mod vtu_solid;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};
+pub use marks::GroupKey;
+pub use own_solid::{ChamberChoice, ChamberFound, OwnSolid};
 pub use solid_case::SolidCase;

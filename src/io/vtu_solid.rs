@@ -1,10 +1,8 @@
 //! Solid walls from VTK's unstructured grids (`.vtu`): linear or quadratic tetrahedra.
 //!
-//! Arrays may be text, base64 or appended (raw or base64), plain or compressed by zlib, in one piece. The chamber is the
-//! triangles with 2 in the cell array `gmsh:physical`, as conversions from Gmsh's files leave it; without such triangles,
-//! all parts of the boundary within another. Source: VTK file formats, "XML file formats".
+//! Arrays may be text, base64 or appended (raw or base64), plain or compressed by zlib, in one piece. Physical groups are the
+//! numbers in the cell array `gmsh:physical`, as conversions from Gmsh's files leave it, without names. Source: VTK file formats, "XML file formats".
 
-use std::collections::HashSet;
 use std::io::Read;
 use std::path::Path;
 
@@ -13,19 +11,18 @@ use base64::engine::general_purpose::STANDARD;
 use roxmltree::{Document, Node};
 
 use super::raw_solid::RawSolid;
-use super::{InputError, input};
+use super::{ChamberChoice, InputError, OwnSolid, input};
 use crate::math::Vec3;
-use crate::mesh::SolidMesh;
 
-/// The solid wall of the file `path`, mm; straight edges get their midpoints.
+/// The solid wall of the file `path`, mm, with the chamber of the `choice`; straight edges get their midpoints.
 ///
 /// Its nodes are numbered anew: corners in the order of the file, then midpoints. Without a closed inner surface its chamber is empty.
 ///
 /// # Errors
 /// [`InputError`] when the file cannot be read, is not such a grid, or its tetrahedra do not fit together.
-pub fn read(path: &Path) -> Result<SolidMesh, InputError> {
+pub fn read(path: &Path, choice: &ChamberChoice) -> Result<OwnSolid, InputError> {
     let bytes = input::bytes(path, input::DATA)?;
-    let solid = raw_solid(&bytes).and_then(|raw| raw.solid());
+    let solid = raw_solid(&bytes).and_then(|raw| raw.solid(choice));
     solid.map_err(|what| InputError::new(path, what))
 }
 
@@ -63,9 +60,6 @@ fn raw_solid(bytes: &[u8]) -> Result<RawSolid, String> {
     solid_of(&points, &nodes, &ends, &kinds, groups.as_deref())
 }
 
-/// The physical group of the chamber.
-const CHAMBER: f64 = 2.0;
-
 fn solid_of(
     points: &[f64],
     nodes: &[f64],
@@ -80,7 +74,7 @@ fn solid_of(
         positions: points.chunks_exact(3).map(Vec3::from_column_slice).collect(),
         ..RawSolid::default()
     };
-    let mut chamber = HashSet::new();
+    let group = |cell: usize| groups.map_or(0, |groups| groups[cell] as i64);
     let mut start = 0;
     for (cell, (&end, &kind)) in ends.iter().zip(kinds).enumerate() {
         let end = end as usize;
@@ -96,15 +90,21 @@ fn solid_of(
             // Points, lines, polygons.
             1..=4 | 6..=9 | 21 | 23 => {}
             5 | 22 => {
-                if groups.is_some_and(|groups| groups[cell] == CHAMBER) {
+                let set = solid.surfaces.set_of(group(cell));
+                if set != 0 {
                     let mut face = [node(0)?, node(1)?, node(2)?];
                     face.sort_unstable();
-                    chamber.insert(face);
+                    solid.surfaces.count(set);
+                    solid.triangles.push((face, set));
                 }
             }
-            10 => solid.tetrahedra.push([node(0)?, node(1)?, node(2)?, node(3)?]),
-            24 => {
+            10 | 24 => {
+                let set = solid.volumes.set_of(group(cell));
+                solid.volumes.count(set);
                 solid.tetrahedra.push([node(0)?, node(1)?, node(2)?, node(3)?]);
+                if kind as u8 == 10 {
+                    continue;
+                }
                 let between = [node(4)?, node(5)?, node(6)?, node(7)?, node(8)?, node(9)?];
                 solid.midpoints.push(between);
             }
@@ -121,7 +121,6 @@ fn solid_of(
     if !solid.midpoints.is_empty() && solid.midpoints.len() != solid.tetrahedra.len() {
         return Err("the grid has tetrahedra of 4 nodes beside those of 10".to_owned());
     }
-    solid.chamber = (!chamber.is_empty()).then_some(chamber);
     Ok(solid)
 }
 
@@ -283,10 +282,12 @@ mod tests {
 
     use super::*;
     use crate::io::vtu::{Picture, Values};
+    use crate::mesh::SolidMesh;
     use crate::mesh::tetrahedra::test_walls::{of_prisms, spheres};
 
     fn read_text(text: &str) -> Result<SolidMesh, String> {
-        raw_solid(text.as_bytes()).and_then(|raw| raw.solid())
+        let raw = raw_solid(text.as_bytes());
+        raw.and_then(|raw| raw.solid(&ChamberChoice::default())).map(|read| read.mesh)
     }
 
     /// Appended raw data, as we write them: the same places, and the chamber found by itself.
@@ -301,7 +302,7 @@ mod tests {
             .with_point_data("position", Values::Vectors(&solid.positions))
             .write(&path)
             .unwrap();
-        let read = read(&path).unwrap();
+        let read = read(&path, &ChamberChoice::default()).unwrap().mesh;
         assert_eq!((read.corners, read.positions.len()), (solid.corners, solid.positions.len()));
         assert_eq!((read.chamber.len(), read.outer.len()), (80, 80));
         for (read_nodes, nodes) in read.tetrahedra.iter().zip(&solid.tetrahedra) {

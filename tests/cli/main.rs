@@ -7,6 +7,7 @@ mod export;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;
+mod own_tetrahedra;
 mod simulate;
 mod solids;
 mod verify;
