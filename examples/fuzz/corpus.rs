@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use pneumorph::cli::Input;
-use pneumorph::io::{msh, part_file, stl};
+use pneumorph::io::{ChamberChoice, msh, part_file, stl};
 use pneumorph::mesh::SolidMesh;
 use pneumorph::surface::TriangleMesh;
 
@@ -46,7 +46,7 @@ pub(crate) fn all(folder: Option<&Path>) -> Result<Vec<Corpus>, Failure> {
     add("STL binary", Input::Surface, "part.stl", vec![fs::read(&binary)?]);
 
     let grids = root.join("tests/data/vtu");
-    let solid = part_file::solid(&grids.join("ascii.vtu"))?;
+    let solid = part_file::solid(&grids.join("ascii.vtu"), &ChamberChoice::default())?.mesh;
     let text = place.path().join("part.msh");
     msh::write(&text, &solid)?;
     add("msh 2.2 text", Input::Tetrahedra, "part.msh", vec![fs::read(&text)?]);

@@ -22,15 +22,18 @@ use super::material::within;
 use super::part::PartSource;
 use super::provenance::Provenance;
 use super::run_folder::RunFolder;
-use super::say;
 use super::scene_file::SceneFile;
+use super::shape::NO_CHAMBER;
 use super::simulate::OnDisk;
 use super::solid_part::{SolidPart, SolidReport, SolidSection};
 use super::walk_summary::WalkSummary;
+use super::{say, warn};
 use crate::evolve::IndividualId;
 use crate::fitness::{LoadSettings, shell_of_network};
 use crate::genome::Genome;
-use crate::io::{OutputFolder, SolidCase, atomic, calculix, csv, febio, msh};
+use crate::io::{
+    ChamberFound, OutputFolder, OwnSolid, SolidCase, atomic, calculix, csv, febio, msh,
+};
 use crate::math::Vec3;
 use crate::mesh::{Ends, ShellMesh, ShellSettings, SolidMesh};
 use crate::model::material::{Compressible, Material, Rubber};
@@ -76,6 +79,8 @@ struct Case {
     pressure_faces: usize,
     clamp_nodes: usize,
     tip_nodes: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chamber: Option<ChamberFound>,
     /// Enclosed by the chamber at rest, mm^3.
     chamber_volume: f64,
     #[serde(flatten)]
@@ -119,6 +124,8 @@ const MOST_SAMPLES: usize = 1000;
 struct Subject {
     design: String,
     mesh: SolidMesh,
+    /// Of tetrahedra of one's own.
+    chamber: Option<ChamberFound>,
     report: Option<SolidReport>,
     wall: ShellSettings,
     ends: Ends,
@@ -179,6 +186,7 @@ fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Result<Subject>
     Ok(Subject {
         design: id.to_string(),
         mesh,
+        chamber: None,
         report: Some(report),
         wall: settings.wall,
         ends: Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &settings.wall),
@@ -208,8 +216,13 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
     }
     let given = scene.material.material()?;
     let material = compressible(&given, choices.poisson_ratio)?;
+    let mut chamber = None;
     let (mesh, report, ends) = match scene.part.source(path, &OnDisk)? {
-        PartSource::Tetrahedra { mesh, .. } => {
+        PartSource::Tetrahedra { file, solid } => {
+            let OwnSolid { mesh, chamber: found, warnings } = solid;
+            ensure!(!mesh.chamber.is_empty(), "{}: {NO_CHAMBER}", file.display());
+            warnings.iter().for_each(|warning| warn(&format!("{}: {warning}", file.display())));
+            chamber = Some(found);
             let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
             (mesh, None, ends)
         }
@@ -230,6 +243,7 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
     Ok(Subject {
         design: name,
         mesh,
+        chamber,
         report,
         wall: scene.wall,
         ends,
@@ -299,7 +313,10 @@ impl Subject {
             self.ends.clamp_top,
             clamp.len()
         );
-        ensure!(!mesh.chamber.is_empty(), "no face of the tetrahedra is tagged as chamber");
+        ensure!(
+            mesh.lids.iter().flat_map(|lid| &lid.rim).all(|node| clamp.binary_search(node).is_ok()),
+            "decks have no lids, so their rims must be held: raise [wall] clamp_height, or close the inlet in the mesh"
+        );
         let law = Material::Compressible(material.clone());
         let title = format!(
             "{design}, 0 to {} MPa in {} samples, {} with a bulk modulus of {:.4} MPa",
@@ -346,7 +363,9 @@ impl Subject {
             .map(|(node, u)| NodeRow { node, x: u.x, y: u.y, z: u.z })
             .collect();
         csv::write(&folder.file(DISPLACEMENT), &nodes)?;
-        let words = self.in_words(&rows[rows.len() - 1], &walk, law.poisson_ratio(), out);
+        let chamber = self.chamber.as_ref().map(|chamber| chamber.in_words(rows[0].volume) + "\n");
+        let words = chamber.unwrap_or_default()
+            + &self.in_words(&rows[rows.len() - 1], &walk, law.poisson_ratio(), out);
         let case = Case {
             design: design.clone(),
             law: name(&material.law).to_owned(),
@@ -360,6 +379,7 @@ impl Subject {
             pressure_faces: mesh.chamber.len(),
             clamp_nodes: clamp.len(),
             tip_nodes: tip.len(),
+            chamber: self.chamber.clone(),
             chamber_volume: rows[0].volume,
             walk,
             mesh: self.report,

@@ -9,7 +9,7 @@ use super::run_folder::RunFolder;
 use super::scene_file::SceneFile;
 use super::simulate::{OnDisk, read_network};
 use crate::evolve::Nsga2;
-use crate::io::{calculix, toml_file};
+use crate::io::{ChamberChoice, calculix, toml_file};
 
 /// Which kind of file it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ fn looked_at(input: Input, path: &Path) -> anyhow::Result<()> {
             let source = PartSource::Stl { file: path.to_owned(), surface };
             closed_part::shell(&scene, &source).map(|_| ())
         }
-        Input::Tetrahedra => OnDisk.tetrahedra(path).map(|_| ()),
+        Input::Tetrahedra => OnDisk.tetrahedra(path, &ChamberChoice::default()).map(|_| ()),
         Input::RunFolder => {
             let folder = RunFolder::open(path)?;
             folder.run_file()?;

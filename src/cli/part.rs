@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::material::{positive, within};
 use super::patch_part::PatchSection;
 use crate::genome::Network;
-use crate::mesh::SolidMesh;
+use crate::io::{ChamberChoice, GroupKey, OwnSolid};
 use crate::surface::TriangleMesh;
 
 /// Where the part comes from; exactly one of them, files relative to the scene file.
@@ -24,6 +24,13 @@ pub(super) struct Part {
     /// A Gmsh file (`.msh`) or VTK grid (`.vtu`) of the wall in tetrahedra, mm, z along the part, clamped at its base.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tetrahedra: Option<PathBuf>,
+    /// Of tetrahedra: the physical group of the chamber's triangles, by its name or number; by default the group named
+    /// `chamber`, or else what the wall surrounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chamber: Option<GroupKey>,
+    /// Of tetrahedra: whether flat openings of the chamber, as an air inlet, are closed by lids without mass and stiffness.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub close_inlet: bool,
     /// An open surface given by formulas.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patch: Option<PatchSection>,
@@ -59,8 +66,8 @@ pub(super) trait PartFiles {
     fn network(&self, path: &Path) -> anyhow::Result<Network>;
     /// The triangles of the STL file at `path`, mm.
     fn surface(&self, path: &Path) -> anyhow::Result<TriangleMesh>;
-    /// The tetrahedra of the file at `path` (`.msh` or `.vtu`), mm.
-    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh>;
+    /// The tetrahedra of the file at `path` (`.msh` or `.vtu`), mm, with the chamber of the `choice`.
+    fn tetrahedra(&self, path: &Path, choice: &ChamberChoice) -> anyhow::Result<OwnSolid>;
 }
 
 /// What a scene's part is made from.
@@ -75,7 +82,7 @@ pub(super) enum PartSource<'a> {
     },
     Tetrahedra {
         file: PathBuf,
-        mesh: SolidMesh,
+        solid: OwnSolid,
     },
     Patch(&'a PatchSection),
     Sphere(SphereSection),
@@ -98,7 +105,7 @@ impl Part {
         files: &dyn PartFiles,
     ) -> anyhow::Result<PartSource<'_>> {
         let beside = |file: &PathBuf| path.parent().unwrap_or(Path::new("")).join(file);
-        let Self { network, stl, tetrahedra, patch, sphere, ellipsoid } = self;
+        let Self { network, stl, tetrahedra, patch, sphere, ellipsoid, .. } = self;
         let given = [
             network.is_some(),
             stl.is_some(),
@@ -119,7 +126,9 @@ impl Part {
             Ok(PartSource::Stl { surface: files.surface(&file)?, file })
         } else if let Some(file) = tetrahedra {
             let file = beside(file);
-            Ok(PartSource::Tetrahedra { mesh: files.tetrahedra(&file)?, file })
+            let choice =
+                ChamberChoice { group: self.chamber.clone(), close_inlet: self.close_inlet };
+            Ok(PartSource::Tetrahedra { solid: files.tetrahedra(&file, &choice)?, file })
         } else if let Some(patch) = patch {
             Ok(PartSource::Patch(patch))
         } else if let Some(sphere) = sphere {
@@ -138,6 +147,14 @@ impl Part {
 
     /// Checks the shapes that are given by numbers; `edge` (mm) is how finely an ellipsoid is meshed.
     pub(super) fn check(&self, edge: f64) -> anyhow::Result<()> {
+        let of_tetrahedra =
+            [("chamber", self.chamber.is_some()), ("close_inlet", self.close_inlet)];
+        if let Some((key, _)) = of_tetrahedra.iter().find(|(_, is_given)| *is_given) {
+            ensure!(
+                self.tetrahedra.is_some(),
+                "[part] {key} is for `tetrahedra`, which are not given"
+            );
+        }
         if let Some(EllipsoidSection { semi_axes }) = self.ellipsoid {
             for semi_axis in semi_axes {
                 positive("[part.ellipsoid] semi_axes", semi_axis)?;

@@ -410,7 +410,8 @@ const LIST_EXAMPLES: &str = "
 # activation = 0.2  # gap at which they begin to push, in thicknesses
 # pressure = 0.2  # about how hard they press, MPa; the largest pressure where it is left out
 
-# The wall in tetrahedra (a network or an STL file), instead of a shell. Or your own: [part] tetrahedra = \"wall.msh\"
+# The wall in tetrahedra (a network or an STL file), instead of a shell. Or your own: [part] tetrahedra = \"wall.msh\",
+# with chamber = \"name\" (or number) of the physical group of its triangles, and close_inlet = true where that is open at a flat inlet
 # [solid]
 # edge = 2.0  # mm, on the wall's faces
 # layers = 1  # through the wall; as many as make tetrahedra as high as wide where it is left out

@@ -1,6 +1,7 @@
 //! A part of a scene file, loaded, solved and watched.
 
 use anyhow::{Context, anyhow, ensure};
+use serde::Serialize;
 
 use super::closed_part;
 use super::part::PartSource;
@@ -8,6 +9,7 @@ use super::patch_part::{Force, PatchSection};
 use super::scene_file::SceneFile;
 use super::watch::{Watch, Watched};
 use super::watch_curve::WatchCurve;
+use crate::io::{ChamberFound, OwnSolid};
 use crate::math::cpu_seconds;
 use crate::mesh::{Ends, Patch, ShellMesh, ShellSettings, Side, SolidMesh};
 use crate::model::system::{LoadedSystem, System};
@@ -21,7 +23,30 @@ use crate::surface::TriangleMesh;
 pub(super) struct Shape {
     pub surface: TriangleMesh,
     pub model: PartModel,
+    /// Of tetrahedra of one's own.
+    pub chamber: Option<ChamberReport>,
+    /// What is not done as it may be meant, a line each.
+    pub warnings: Vec<String>,
     watches: Vec<Watch>,
+}
+
+/// The chamber of tetrahedra of one's own.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct ChamberReport {
+    #[serde(flatten)]
+    found: ChamberFound,
+    /// At rest, mm^3.
+    volume: f64,
+}
+
+impl ChamberReport {
+    pub(super) fn new(found: &ChamberFound, model: &PartModel) -> Self {
+        Self { found: found.clone(), volume: model.volume(&vec![0.0; model.unknowns()]) }
+    }
+
+    pub(super) fn in_words(&self) -> String {
+        self.found.in_words(self.volume)
+    }
 }
 
 /// What a shape did under its load.
@@ -59,8 +84,8 @@ impl Shape {
         if let PartSource::Patch(section) = source {
             return of_patch(scene, section);
         }
-        if let PartSource::Tetrahedra { file, mesh } = source {
-            return of_tetrahedra(scene, mesh).with_context(|| file.display().to_string());
+        if let PartSource::Tetrahedra { file, solid } = source {
+            return of_tetrahedra(scene, solid).with_context(|| file.display().to_string());
         }
         let mesh = closed_part::shell(scene, source)?;
         let support = closed_part::support(source, &mesh);
@@ -68,7 +93,7 @@ impl Shape {
         let model = PartModel::new(&mesh, &scene.material.material()?, &support, &planes)
             .map_err(|rejected| anyhow!("{rejected}"))?;
         let watches = watches_of_closed(scene, &mesh)?;
-        Ok(Self { surface: mesh.surface, model, watches })
+        Ok(Self { surface: mesh.surface, model, chamber: None, warnings: Vec::new(), watches })
     }
 
     /// Walks the path of the `scene` until `stop` wants its end, or takes its one linear step.
@@ -113,7 +138,9 @@ pub(super) fn watches_of_closed(scene: &SceneFile, mesh: &ShellMesh) -> anyhow::
 }
 
 /// A clamped wall of tetrahedra.
-fn of_tetrahedra(scene: &SceneFile, mesh: &SolidMesh) -> anyhow::Result<Shape> {
+fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
+    let OwnSolid { mesh, chamber, warnings } = solid;
+    ensure!(!mesh.chamber.is_empty(), NO_CHAMBER);
     let ShellSettings { thickness, clamp_height, .. } = scene.wall;
     let (surface, _) = mesh.boundary();
     let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
@@ -135,14 +162,15 @@ fn of_tetrahedra(scene: &SceneFile, mesh: &SolidMesh) -> anyhow::Result<Shape> {
     let material = scene.material.material()?;
     let model = PartModel::of_solid(mesh, thickness, &material, held, &planes)
         .map_err(|rejected| anyhow!("{rejected}"))?;
-    ensure!(
-        !mesh.chamber.is_empty(),
-        "no face of the tetrahedra is tagged as chamber, and their boundary is in one piece: nothing to inflate"
-    );
     let watch = |watched| Watch { watched, vertices: vertices.clone(), length };
     let sections = scene.watches.iter().map(|section| section.watched().map(watch));
-    Ok(Shape { surface, model, watches: sections.collect::<anyhow::Result<_>>()? })
+    let watches = sections.collect::<anyhow::Result<_>>()?;
+    let chamber = Some(ChamberReport::new(chamber, &model));
+    Ok(Shape { surface, model, chamber, warnings: warnings.clone(), watches })
 }
+
+/// What is said of tetrahedra with nothing to inflate.
+pub(super) const NO_CHAMBER: &str = "the wall surrounds no chamber; name the group of its triangles as [part] chamber, with close_inlet = true where it is open at a flat air inlet";
 
 fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> {
     let surface = section.surface()?;
@@ -200,7 +228,7 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
             Ok(Watch { watched, vertices, length: 0.0 })
         })
         .collect::<anyhow::Result<_>>()?;
-    Ok(Shape { surface: patch.surface, model, watches })
+    Ok(Shape { surface: patch.surface, model, chamber: None, warnings: Vec::new(), watches })
 }
 
 /// Rest, and the state that the linear theory has at the `largest` load.

@@ -22,9 +22,9 @@ use super::walk_summary::WalkSummary;
 use super::{say, simulate_shape, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{OutputFolder, atomic, msh, part_file, stl, toml_file};
+use crate::io::{ChamberChoice, OutputFolder, OwnSolid, atomic, msh, part_file, stl, toml_file};
 use crate::math::{Rejected, cpu_seconds};
-use crate::mesh::{ShellMesh, SolidMesh};
+use crate::mesh::ShellMesh;
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
 use crate::solve::{Backend, Ending, Job, Path as Walked, SolveTimes, Stop, follow_from};
@@ -208,16 +208,8 @@ impl PartFiles for OnDisk {
         Ok(stl::read(path, stl::WELD_TOLERANCE)?)
     }
 
-    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
-        let mesh = part_file::solid(path)?;
-        let overlapping = mesh.overlapping_faces();
-        if overlapping > 0 {
-            warn(&format!(
-                "{}: the tetrahedra overlap at {overlapping} faces; each counts in full",
-                path.display()
-            ));
-        }
-        Ok(mesh)
+    fn tetrahedra(&self, path: &Path, choice: &ChamberChoice) -> anyhow::Result<OwnSolid> {
+        Ok(part_file::solid(path, choice)?)
     }
 }
 

@@ -10,11 +10,11 @@ use super::design_folder::{write_json, write_model_pictures, write_watches};
 use super::part::PartSource;
 use super::patience::End;
 use super::provenance::Provenance;
-use super::say;
 use super::scene_file::SceneFile;
-use super::shape::{Measured, Shape};
+use super::shape::{ChamberReport, Measured, Shape};
 use super::simulate::NOTHING_WRITTEN;
 use super::walk_summary::WalkSummary;
+use super::{say, warn};
 use crate::fitness::stability;
 use crate::io::{OutputFolder, atomic, csv, stl};
 use crate::math::cpu_seconds;
@@ -47,6 +47,10 @@ struct Row {
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
     load: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chamber: Option<ChamberReport>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
     watches: Vec<Watch<'a>>,
     stored_energy: f64,
     max_displacement: f64,
@@ -81,6 +85,12 @@ pub(super) fn run(
     let start = cpu_seconds();
     let named = || path.display().to_string();
     let mut shape = Shape::new(scene, source).with_context(named)?;
+    if let PartSource::Tetrahedra { file, .. } = source
+        && job.is_first()
+    {
+        let file = file.display();
+        shape.warnings.iter().for_each(|warning| warn(&format!("{file}: {warning}")));
+    }
     let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
     let measured = shape.measure(scene, scene.solver.backend, start, stop).with_context(named);
     let Some((folder, lock)) = claim else { return Ok(End::of(&measured?.walked)) };
@@ -128,6 +138,8 @@ pub(super) fn run(
         .collect();
     let summary = Summary {
         load: last.load,
+        chamber: shape.chamber.clone(),
+        warnings: shape.warnings.clone(),
         watches: final_values,
         stored_energy: last.stored_energy,
         max_displacement: last.max_displacement,
@@ -159,9 +171,11 @@ impl Summary<'_> {
             .iter()
             .map(|watch| format!("{} = {:.6e}", watch.name, watch.value))
             .collect();
+        let chamber =
+            self.chamber.as_ref().map_or_else(String::new, |chamber| chamber.in_words() + "\n");
         format!(
             "{} at load {:.4}: largest displacement {:.4e} mm, stored energy {:.4e} mJ{}{}\n\
-             {} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
+             {chamber}{} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
             self.walk.in_words(),
             self.load,
             self.max_displacement,

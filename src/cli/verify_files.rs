@@ -6,8 +6,7 @@ use anyhow::{Context, bail};
 
 use super::part::PartFiles;
 use crate::genome::{Network, NetworkDraft};
-use crate::io::{stl, toml_file};
-use crate::mesh::SolidMesh;
+use crate::io::{ChamberChoice, OwnSolid, stl, toml_file};
 use crate::surface::TriangleMesh;
 
 /// The scenes of one folder under `verify/`.
@@ -71,7 +70,7 @@ impl PartFiles for BuiltIn {
         Ok(stl::parse(built_in(&SURFACES, path)?.to_vec(), path, stl::WELD_TOLERANCE)?)
     }
 
-    fn tetrahedra(&self, path: &Path) -> anyhow::Result<SolidMesh> {
+    fn tetrahedra(&self, path: &Path, _: &ChamberChoice) -> anyhow::Result<OwnSolid> {
         bail!("{} is not built in", path.display())
     }
 }

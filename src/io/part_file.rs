@@ -5,8 +5,7 @@
 
 use std::path::Path;
 
-use super::{InputError, input, msh, stl, vtu_solid};
-use crate::mesh::SolidMesh;
+use super::{ChamberChoice, InputError, OwnSolid, input, msh, stl, vtu_solid};
 
 /// A file's format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,14 +35,14 @@ pub(super) struct Foreign {
     solid: Option<&'static str>,
 }
 
-/// The solid wall of the file `path`, a mesh of Gmsh's or a VTK grid, mm; straight edges get their midpoints.
+/// The solid wall of the file `path`, a mesh of Gmsh's or a VTK grid, mm, with the chamber of the `choice`; straight edges get their midpoints.
 ///
 /// # Errors
 /// [`InputError`] when the file cannot be read or is of another format, or its tetrahedra do not fit together.
-pub fn solid(path: &Path) -> Result<SolidMesh, InputError> {
+pub fn solid(path: &Path, choice: &ChamberChoice) -> Result<OwnSolid, InputError> {
     let bytes = input::bytes(path, input::DATA)?;
     let raw = if is_vtu(&bytes, path)? { vtu_solid::parse(&bytes) } else { msh::parse(&bytes) };
-    raw.and_then(|raw| raw.solid()).map_err(|what| InputError::new(path, what))
+    raw.and_then(|raw| raw.solid(choice)).map_err(|what| InputError::new(path, what))
 }
 
 /// Refuses what is no surface in STL, by the `bytes` of the file `path`; an unknown format is left to STL's reader to explain.

@@ -1,13 +1,12 @@
 //! Tetrahedra as a file lists them, before anything is known of them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
+use super::marks::Marks;
 use crate::math::Vec3;
-use crate::mesh::tetrahedra::{Numbered, TetDefect};
 use crate::mesh::{SolidMesh, TET_EDGES, TetMesh};
-use crate::surface::turned_outward;
 
-/// Vertices, tetrahedra and marked triangles of a file.
+/// Vertices, tetrahedra and triangles of a file, and their groups.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct RawSolid {
     /// All nodes, used or not.
@@ -16,31 +15,21 @@ pub(super) struct RawSolid {
     pub(super) tetrahedra: Vec<[u32; 4]>,
     /// Edge midpoints of each tetrahedron in the order of [`TET_EDGES`]; none at all for linear ones.
     pub(super) midpoints: Vec<[u32; 6]>,
-    /// Sorted corners of the triangles marked as the chamber's; `None` when the file marks none.
-    pub(super) chamber: Option<HashSet<[u32; 3]>>,
+    /// Sorted corners of triangles, each with its set of [`Self::surfaces`].
+    pub(super) triangles: Vec<([u32; 3], u32)>,
+    /// Physical groups of triangles.
+    pub(super) surfaces: Marks,
+    /// Physical groups of tetrahedra.
+    pub(super) volumes: Marks,
 }
 
 impl RawSolid {
-    /// The mesh with straight edges, its chamber where the triangles are marked.
+    /// The quadratic tetrahedra of `mesh`, whose vertices have the `former` numbers, with the file's midpoints where it has them.
     ///
     /// # Errors
-    /// [`TetDefect`] when the tetrahedra do not fit together.
-    pub(super) fn numbered(&self) -> Result<Numbered, TetDefect> {
-        let is_chamber =
-            |face: [u32; 3]| self.chamber.as_ref().is_some_and(|chamber| chamber.contains(&face));
-        TetMesh::of_tetrahedra(&self.positions, &self.tetrahedra, is_chamber)
-    }
-
-    /// The quadratic mesh, with the file's midpoints where it has them.
-    ///
-    /// Tetrahedra may overlap each other, as they do in walls made by moving nodes; the chamber is turned one way nonetheless, so that
-    /// its pressure has a potential.
-    ///
-    /// # Errors
-    /// One line when the tetrahedra do not fit together, or the chamber is not a closed part of their boundary.
-    pub(super) fn solid(&self) -> Result<SolidMesh, String> {
-        let Numbered { mesh, former } = self.with_chamber()?;
-        let mut solid = SolidMesh::straight(&mesh);
+    /// One line when neighbours differ on a midpoint, or it has no place.
+    pub(super) fn quadratic(&self, mesh: &TetMesh, former: &[u32]) -> Result<SolidMesh, String> {
+        let mut solid = SolidMesh::straight(mesh);
         let ordered = |[v, w]: [u32; 2]| [v.min(w), v.max(w)];
         let mut given: HashMap<[u32; 2], u32> = HashMap::new();
         for (corners, midpoints) in self.tetrahedra.iter().zip(&self.midpoints) {
@@ -70,37 +59,4 @@ impl RawSolid {
         let position = position.filter(|x| x.iter().all(|x| x.is_finite()));
         position.ok_or_else(|| "a midpoint is not a node with finite coordinates".to_owned())
     }
-
-    fn with_chamber(&self) -> Result<Numbered, String> {
-        let Numbered { mut mesh, former } = self.numbered().map_err(|defect| defect.to_string())?;
-        match &self.chamber {
-            None => mesh = mesh.with_chamber_found(),
-            Some(marked) if marked.len() != mesh.chamber.len() => {
-                return Err(format!(
-                    "{} of the {} triangles marked as the chamber are not on the boundary of the tetrahedra",
-                    marked.len() - mesh.chamber.len(),
-                    marked.len()
-                ));
-            }
-            Some(_) => {}
-        }
-        let open = open_edges(&mesh.chamber);
-        if open > 0 {
-            return Err(format!(
-                "the chamber is not closed: {open} of its edges have not two triangles"
-            ));
-        }
-        mesh.chamber = turned_outward(&mesh.chamber, &mesh.positions)
-            .ok_or_else(|| "the chamber has no inside: it is one-sided".to_owned())?;
-        Ok(Numbered { mesh, former })
-    }
-}
-
-/// The number of edges without exactly two of the `triangles`, whichever way these face.
-fn open_edges(triangles: &[[u32; 3]]) -> usize {
-    let edges = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
-    let mut edges: Vec<[u32; 2]> =
-        triangles.iter().flat_map(edges).map(|[v, w]| [v.min(w), v.max(w)]).collect();
-    edges.sort_unstable();
-    edges.chunk_by(|a, b| a == b).filter(|same| same.len() != 2).count()
 }

@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 
+use super::Lid;
 use crate::math::Vec3;
 use crate::surface::TriangleMesh;
 
@@ -45,6 +46,8 @@ pub struct SolidMesh {
     pub chamber: Vec<[u32; 6]>,
     /// All other faces of the boundary, with normals out of the wall.
     pub outer: Vec<[u32; 6]>,
+    /// What closes the chamber where its faces do not.
+    pub lids: Vec<Lid>,
 }
 
 /// The corners between which each edge midpoint of a tetrahedron lies.
@@ -115,6 +118,7 @@ impl SolidMesh {
             chamber: mesh.chamber.iter().map(face).collect(),
             outer: mesh.outer.iter().map(face).collect(),
             positions,
+            lids: Vec::new(),
         }
     }
 

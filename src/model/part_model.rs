@@ -17,7 +17,7 @@ use super::contact::{Faces, PlaneSettings, Planes};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
 use super::element::{ElementPoints, Sample, SampledSurface, ascending};
-use super::load::{ChamberPressure, EdgeMoment, FollowerLoads};
+use super::load::{ChamberPressure, EdgeMoment, FollowerLoads, LidFan};
 use super::local::Term;
 use super::material::Material;
 use super::stretch_bound::StretchBound;
@@ -115,7 +115,8 @@ impl PartModel {
         let parts = Discretization::solid(mesh, thickness, material)?;
         let points: Vec<ElementPoints> =
             mesh.chamber.iter().map(|&face| ElementPoints::of_quadratic(face)).collect();
-        let chamber = (!points.is_empty()).then(|| ChamberPressure::new(&points));
+        let lids = mesh.lids.iter().map(|lid| LidFan::new(&lid.rim, &mesh.positions)).collect();
+        let chamber = (!points.is_empty()).then(|| ChamberPressure::new(&points).with_lids(lids));
         let mut model = Self::assembled(parts, chamber, None, held, material);
         model.pressure = 1.0;
         model.place(planes, Faces::sampled(thickness));
@@ -169,9 +170,12 @@ impl PartModel {
         let wall = Tied::new(parts.wall, &ties, &reference);
         let chamber = chamber.map(tied);
         let moments = moments.map(|term| Tied::new(term, &ties, &reference));
-        // The stencils of all other terms lie within those of elements, so the wall alone makes the pattern.
+        // The stencils of all other terms but lids lie within those of elements, so the wall alone makes the pattern.
         let nodes = Nodes { places: reference.len(), numbers: parts.pressures };
-        let assembler = Assembler::new(nodes, &[&wall]);
+        let assembler = match &chamber {
+            Some(chamber) if chamber.inner().has_lids() => Assembler::new(nodes, &[&wall, chamber]),
+            _ => Assembler::new(nodes, &[&wall]),
+        };
         let mut is_used = vec![false; nodes.count()];
         wall.stencils().iter().flatten().for_each(|&v| is_used[v as usize] = true);
         held.extend(parts.held);

@@ -6,6 +6,7 @@ mod ellipsoid;
 mod follower;
 mod inflated_sphere;
 mod inflated_tube;
+mod lids;
 mod locking;
 mod parts;
 mod rubber;

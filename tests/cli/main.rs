@@ -4,11 +4,12 @@
 mod decks;
 mod evolve;
 mod export;
-mod interrupted;
 mod hostile_files;
+mod interrupted;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;
+mod own_tetrahedra;
 mod pictures;
 mod simulate;
 mod solids;

@@ -1,9 +1,10 @@
 //! Gmsh's mesh files: solid walls of linear or quadratic tetrahedra.
 //!
-//! Read are the formats 2.2 and 4.1, as text or binary; written is 2.2 as text. The chamber is the physical group of
-//! triangles named `chamber`, or else number 2; without such triangles, all parts of the boundary within another.
+//! Read are the formats 2.2 and 4.1, as text or binary; written is 2.2 as text, with the chamber as the group of that name.
 //! Source: Gmsh reference manual, "MSH file format" and "Node ordering".
 
+#[cfg(test)]
+mod group_tests;
 mod parse;
 #[cfg(test)]
 mod tests;
@@ -13,18 +14,18 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::raw_solid::RawSolid;
-use super::{InputError, OutputError, atomic, input};
+use super::{ChamberChoice, InputError, OutputError, OwnSolid, atomic, input};
 use crate::mesh::SolidMesh;
 
-/// The solid wall of the file `path`, mm; straight edges get their midpoints.
+/// The solid wall of the file `path`, mm, with the chamber of the `choice`; straight edges get their midpoints.
 ///
 /// Its nodes are numbered anew: corners in the order of the file, then midpoints. Without a closed inner surface its chamber is empty.
 ///
 /// # Errors
 /// [`InputError`] when the file cannot be read, is not such a mesh, or its tetrahedra do not fit together.
-pub fn read(path: &Path) -> Result<SolidMesh, InputError> {
+pub fn read(path: &Path, choice: &ChamberChoice) -> Result<OwnSolid, InputError> {
     let bytes = input::bytes(path, input::DATA)?;
-    let solid = parse(&bytes).and_then(|raw| raw.solid());
+    let solid = parse(&bytes).and_then(|raw| raw.solid(choice));
     solid.map_err(|what| InputError::new(path, what))
 }
 

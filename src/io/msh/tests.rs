@@ -74,7 +74,7 @@ fn all_formats_hold_the_same_wall() {
     let path = folder.path().join("wall.msh");
     let solid = curved();
     write(&path, &solid).unwrap();
-    assert_eq!(places(&read(&path).unwrap()), places(&solid));
+    assert_eq!(places(&read(&path, &ChamberChoice::default()).unwrap().mesh), places(&solid));
     let formats: [&[&str]; 4] = [
         &["-format", "msh22"],
         &["-format", "msh22", "-bin"],
@@ -82,7 +82,8 @@ fn all_formats_hold_the_same_wall() {
         &["-format", "msh41", "-bin"],
     ];
     for (n, format) in formats.into_iter().enumerate() {
-        let read = read(&converted(&path, &format!("{n}.msh"), format)).unwrap();
+        let path = converted(&path, &format!("{n}.msh"), format);
+        let read = read(&path, &ChamberChoice::default()).unwrap().mesh;
         assert_eq!(places(&read), places(&solid), "{format:?}");
         assert_eq!((read.chamber.len(), read.outer.len()), (80, 80), "{format:?}");
         check(&straight(&read), &spheres(10.0, 8.0, 1)).unwrap();
@@ -90,7 +91,8 @@ fn all_formats_hold_the_same_wall() {
 }
 
 fn read_text(text: &str) -> Result<SolidMesh, String> {
-    parse(text.as_bytes()).and_then(|raw| raw.solid())
+    let read = parse(text.as_bytes()).and_then(|raw| raw.solid(&ChamberChoice::default()));
+    read.map(|read| read.mesh)
 }
 
 const HEAD: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
@@ -160,13 +162,19 @@ fn what_is_no_wall_is_told_in_one_line() {
         what(&tail("1\n1 4 2 1 1 10 20 30 60")),
         "an element names a node that is not there"
     );
+    let marked = |elements: &str| {
+        format!(
+            "{HEAD}$PhysicalNames\n1\n2 2 \"chamber\"\n$EndPhysicalNames\n{}",
+            &tail(elements)[HEAD.len()..]
+        )
+    };
     assert_eq!(
-        what(&tail("2\n1 2 2 2 1 10 20 50\n2 4 2 1 1 10 20 30 40")),
+        what(&marked("2\n1 2 2 2 1 10 20 50\n2 4 2 1 1 10 20 30 40")),
         "1 of the 1 triangles marked as the chamber are not on the boundary of the tetrahedra"
     );
     assert_eq!(
-        what(&tail("2\n1 2 2 2 1 10 20 30\n2 4 2 1 1 10 20 30 40")),
-        "the chamber is not closed: 3 of its edges have not two triangles"
+        what(&marked("2\n1 2 2 2 1 10 20 30\n2 4 2 1 1 10 20 30 40")),
+        "the chamber is open along 3 edges; if that is a flat air inlet, [part] close_inlet = true closes it"
     );
     assert_eq!(what(&tail("1\n1 4 2 1 1 10 20 30 30")), "1 tetrahedra have no volume");
     let cut: String = text(&curved()).chars().take(9000).collect();
@@ -175,5 +183,8 @@ fn what_is_no_wall_is_told_in_one_line() {
     let endless = format!("{HEAD}$Nodes\n99999999999\n1 0 0 0\n$EndNodes\n");
     assert_eq!(what(&endless), "the section $Nodes cannot be read to its end");
     let missing = Path::new("no/wall.msh");
-    assert_eq!(read(missing).unwrap_err().to_string(), "no/wall.msh: no such file or folder");
+    assert_eq!(
+        read(missing, &ChamberChoice::default()).unwrap_err().to_string(),
+        "no/wall.msh: no such file or folder"
+    );
 }

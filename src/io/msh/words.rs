@@ -1,5 +1,7 @@
 //! Numbers of a mesh file one after another, written as text or as the machine has them.
 
+use std::borrow::Cow;
+
 /// A place in the bytes of a file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words<'a> {
@@ -24,12 +26,44 @@ impl<'a> Words<'a> {
         Self { bytes, at: 0, form: Form::Text }
     }
 
-    /// The rest of the line, without blanks around it; `None` at the end of the file.
-    pub(super) fn line(&mut self) -> Option<&'a str> {
+    /// The rest of the line, without blanks around it, whatever its letters; `None` at the end of the file.
+    pub(super) fn line(&mut self) -> Option<Cow<'a, str>> {
         let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
         let length = rest.iter().position(|&b| b == b'\n').map_or(rest.len(), |end| end + 1);
         self.at += length;
-        std::str::from_utf8(&rest[..length]).ok().map(str::trim)
+        Some(String::from_utf8_lossy(rest[..length].trim_ascii()))
+    }
+
+    /// A count that stands alone in its line, of things of which each takes `bytes` at least; `None` when the file cannot hold them.
+    pub(super) fn count_line(&mut self, bytes: usize) -> Option<usize> {
+        let count = self.line()?.parse().ok()?;
+        self.fits(count, bytes)
+    }
+
+    /// The next count of 64 bits, of things of which each takes `numbers` of them at least; `None` when the file cannot hold them.
+    pub(super) fn count(&mut self, numbers: usize) -> Option<usize> {
+        let count = usize::try_from(self.size()?).ok()?;
+        self.fits(count, numbers * self.least_bytes())
+    }
+
+    /// The next count of 32 bits, likewise.
+    pub(super) fn small_count(&mut self, numbers: usize) -> Option<usize> {
+        let count = usize::try_from(self.int()?).ok()?;
+        self.fits(count, numbers * self.least_bytes())
+    }
+
+    /// What the shortest number takes: a digit and a blank, or 32 bits.
+    fn least_bytes(&self) -> usize {
+        match self.form {
+            Form::Text => 2,
+            Form::Binary => 4,
+        }
+    }
+
+    /// `count` when so many things of `bytes` each may be left; the last of a text needs no blank.
+    fn fits(&self, count: usize, bytes: usize) -> Option<usize> {
+        let left = self.bytes.len().saturating_sub(self.at) + 1;
+        (count <= left / bytes.max(1)).then_some(count)
     }
 
     /// The next word of a text, whatever the form of numbers.
@@ -66,14 +100,11 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Goes behind the next `word` at the beginning of a line; `None` when there is none.
-    pub(super) fn skip_to_line(&mut self, word: &str) -> Option<()> {
+    /// Goes behind the next `word`, which need not begin a line: some programs write binary numbers right up to it. `None` when there is none.
+    pub(super) fn skip_to(&mut self, word: &str) -> Option<()> {
         let rest = self.bytes.get(self.at..)?;
-        let found = rest
-            .windows(word.len())
-            .enumerate()
-            .find(|&(at, window)| window == word.as_bytes() && (at == 0 || rest[at - 1] == b'\n'));
-        self.at += found?.0 + word.len();
+        let found = rest.windows(word.len()).position(|window| window == word.as_bytes());
+        self.at += found? + word.len();
         Some(())
     }
 

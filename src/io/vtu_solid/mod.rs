@@ -1,35 +1,33 @@
 //! Solid walls from VTK's unstructured grids (`.vtu`): linear or quadratic tetrahedra.
 //!
 //! Arrays may be text, base64 or appended (raw or base64), plain or compressed by zlib, LZ4 or LZMA, of either byte order. Points at
-//! one place in several pieces are one node, and VTK's ghost cells are left out; other cells than solid ones are skipped. The chamber is the
-//! triangles with 2 in the cell array `gmsh:physical`, as conversions from Gmsh's files leave it; without such triangles,
-//! all parts of the boundary within another. Source: VTK file formats, "XML file formats".
+//! one place in several pieces are one node, and VTK's ghost cells are left out; other cells than solid ones are skipped. Physical
+//! groups are the numbers in the cell array `gmsh:physical`, as conversions from Gmsh's files leave it, without names. Source: VTK file formats, "XML file formats".
 
 mod arrays;
 #[cfg(test)]
 mod tests;
 
 use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::path::Path;
 
 use roxmltree::{Document, Node};
 
 use self::arrays::{Arrays, Block, Numbers};
 use super::raw_solid::RawSolid;
-use super::{InputError, input};
+use super::{ChamberChoice, InputError, OwnSolid, input};
 use crate::math::Vec3;
-use crate::mesh::SolidMesh;
 
-/// The solid wall of the file `path`, mm; straight edges get their midpoints.
+/// The solid wall of the file `path`, mm, with the chamber of the `choice`; straight edges get their midpoints.
 ///
 /// Its nodes are numbered anew: corners in the order of the file, then midpoints. Without a closed inner surface its chamber is empty.
 ///
 /// # Errors
 /// [`InputError`] when the file cannot be read, is not such a grid, or its tetrahedra do not fit together.
-pub fn read(path: &Path) -> Result<SolidMesh, InputError> {
+pub fn read(path: &Path, choice: &ChamberChoice) -> Result<OwnSolid, InputError> {
     let bytes = input::bytes(path, input::DATA)?;
-    let solid = parse(&bytes).and_then(|raw| raw.solid());
+    let solid = parse(&bytes).and_then(|raw| raw.solid(choice));
     solid.map_err(|what| InputError::new(path, what))
 }
 
@@ -52,14 +50,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawSolid, String> {
     for piece in pieces() {
         joined.add(&Piece::new(piece, &arrays)?)?;
     }
-    let Joined { solid, chamber, .. } = joined;
+    let Joined { solid, .. } = joined;
     if solid.tetrahedra.is_empty() {
         return Err("the grid has no tetrahedra".to_owned());
     }
     if !solid.midpoints.is_empty() && solid.midpoints.len() != solid.tetrahedra.len() {
         return Err("the grid has tetrahedra of 4 nodes beside those of 10".to_owned());
     }
-    Ok(RawSolid { chamber: (!chamber.is_empty()).then_some(chamber), ..solid })
+    Ok(solid)
 }
 
 /// The arrays of one piece of a grid.
@@ -125,27 +123,19 @@ impl Piece {
     }
 }
 
-/// The physical group of the chamber.
-const CHAMBER: f64 = 2.0;
-
 /// Bits of VTK's ghost types: a cell that another piece has, one that was refined, one that is hidden.
 const GHOST: u8 = 1 | 8 | 32;
 
 /// The pieces of a grid as one.
 struct Joined {
     solid: RawSolid,
-    chamber: HashSet<[u32; 3]>,
     /// The first node at each place, for grids of several pieces: where these meet, each has its own.
     places: Option<HashMap<[u64; 3], u32>>,
 }
 
 impl Joined {
     fn new(has_several_pieces: bool) -> Self {
-        Self {
-            solid: RawSolid::default(),
-            chamber: HashSet::new(),
-            places: has_several_pieces.then(HashMap::new),
-        }
+        Self { solid: RawSolid::default(), places: has_several_pieces.then(HashMap::new) }
     }
 
     fn add(&mut self, piece: &Piece) -> Result<(), String> {
@@ -170,19 +160,26 @@ impl Joined {
                 let number = whole(nodes.at(first + k)).and_then(|v| numbers.get(v)).copied();
                 number.ok_or_else(|| format!("cell {cell} names a node that is not there"))
             };
+            let group = groups.as_ref().map_or(0, |groups| groups.at(cell) as i64);
             match kinds.at(cell) as u8 {
                 // Nothing, points, lines, polygons.
                 0..=4 | 6..=9 | 21 | 23 | 28 | 30 | 35 | 36 | 68 | 70 | 75 | 77 => {}
                 5 | 22 | 34 | 69 | 76 => {
-                    if groups.as_ref().is_some_and(|groups| groups.at(cell) == CHAMBER) {
+                    let set = self.solid.surfaces.set_of(group);
+                    if set != 0 {
                         let mut face = [node(0)?, node(1)?, node(2)?];
                         face.sort_unstable();
-                        self.chamber.insert(face);
+                        self.solid.surfaces.count(set);
+                        self.solid.triangles.push((face, set));
                     }
                 }
-                10 => self.solid.tetrahedra.push([node(0)?, node(1)?, node(2)?, node(3)?]),
-                24 => {
+                kind @ (10 | 24) => {
+                    let set = self.solid.volumes.set_of(group);
+                    self.solid.volumes.count(set);
                     self.solid.tetrahedra.push([node(0)?, node(1)?, node(2)?, node(3)?]);
+                    if kind == 10 {
+                        continue;
+                    }
                     let between = [node(4)?, node(5)?, node(6)?, node(7)?, node(8)?, node(9)?];
                     self.solid.midpoints.push(between);
                 }

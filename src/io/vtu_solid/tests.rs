@@ -7,10 +7,16 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::*;
 use crate::io::vtu::{Picture, Values};
+use crate::mesh::SolidMesh;
 use crate::mesh::tetrahedra::test_walls::{of_prisms, spheres};
 
 fn read_text(text: &str) -> Result<SolidMesh, String> {
-    parse(text.as_bytes()).and_then(|raw| raw.solid())
+    let raw = parse(text.as_bytes());
+    raw.and_then(|raw| raw.solid(&ChamberChoice::default())).map(|read| read.mesh)
+}
+
+fn read_mesh(path: &Path) -> Result<SolidMesh, InputError> {
+    read(path, &ChamberChoice::default()).map(|read| read.mesh)
 }
 
 /// Appended raw data, as we write them: the same places, and the chamber found by itself.
@@ -22,7 +28,7 @@ fn a_picture_of_a_solid_comes_back() {
     let path = folder.path().join("solid.vtu");
     let picture = Picture::of_solid(&solid);
     picture.with_point_data("position", Values::Vectors(&solid.positions)).write(&path).unwrap();
-    let read = read(&path).unwrap();
+    let read = read_mesh(&path).unwrap();
     assert_eq!((read.corners, read.positions.len()), (solid.corners, solid.positions.len()));
     assert_eq!((read.chamber.len(), read.outer.len()), (80, 80));
     for (read_nodes, nodes) in read.tetrahedra.iter().zip(&solid.tetrahedra) {
@@ -157,7 +163,7 @@ fn what_is_no_wall_is_told_in_one_line() {
 #[test]
 fn grids_written_by_vtk_and_meshio_are_one_mesh() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/vtu");
-    let reference = read(&folder.join("ascii.vtu")).unwrap();
+    let reference = read_mesh(&folder.join("ascii.vtu")).unwrap();
     let volume = |mesh: &SolidMesh| -> f64 {
         let corners = |nodes: &[u32; 10]| [0, 1, 2, 3].map(|k| mesh.positions[nodes[k] as usize]);
         let volume = |[a, b, c, d]: [Vec3; 4]| (b - a).cross(&(c - a)).dot(&(d - a)).abs();
@@ -171,7 +177,7 @@ fn grids_written_by_vtk_and_meshio_are_one_mesh() {
             continue;
         }
         files += 1;
-        let mesh = read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let mesh = read_mesh(&path).unwrap_or_else(|error| panic!("{error}"));
         // Coordinates are multiples of 5, and their sums exact.
         assert_eq!(volume(&mesh), 15f64.powi(3) - 5f64.powi(3), "{name}");
         let counts = [mesh.tetrahedra.len(), mesh.corners, mesh.chamber.len(), mesh.outer.len()];
@@ -181,7 +187,7 @@ fn grids_written_by_vtk_and_meshio_are_one_mesh() {
         }
     }
     assert_eq!(files, 15);
-    let hexahedra = read(&folder.join("hexa.vtu")).unwrap_err();
+    let hexahedra = read_mesh(&folder.join("hexa.vtu")).unwrap_err();
     assert!(hexahedra.what.contains("type 12 (hexahedra) are not read"), "{hexahedra}");
 }
 

@@ -60,25 +60,35 @@ impl TetMesh {
         Ok(Numbered { mesh, former })
     }
 
-    /// The same tetrahedra with the chamber found by itself: each closed part of the boundary but the outermost.
+    /// The same tetrahedra with the chamber found by itself: each closed piece of the boundary that the wall surrounds.
     #[must_use]
-    pub fn with_chamber_found(self) -> Self {
-        let mut faces = self.outer;
-        faces.extend(self.chamber.iter().map(|&[a, b, c]| [a, c, b]));
+    pub fn with_chamber_found(mut self) -> Self {
+        let mut faces = std::mem::take(&mut self.outer);
+        faces.extend(self.chamber.drain(..).map(|[a, b, c]| [a, c, b]));
         faces.sort_unstable();
-        let surface = TriangleMesh { positions: self.positions, triangles: faces };
-        let components = surface.components();
-        let volumes = surface.component_volumes();
-        let (mut outer, mut chamber) = (Vec::new(), Vec::new());
-        for (&[a, b, c], component) in surface.triangles.iter().zip(components) {
+        let pieces = self.pieces(&faces);
+        let volumes = self.volumes_within(&faces, &pieces);
+        for ([a, b, c], piece) in faces.into_iter().zip(pieces) {
             // Seen from the wall, an inner surface is inside out.
-            if volumes[component as usize] < 0.0 {
-                chamber.push([a, c, b]);
+            if volumes[piece as usize] < 0.0 {
+                self.chamber.push([a, c, b]);
             } else {
-                outer.push([a, b, c]);
+                self.outer.push([a, b, c]);
             }
         }
-        Self { positions: surface.positions, tetrahedra: self.tetrahedra, chamber, outer }
+        self
+    }
+
+    /// The signed volume within each of the `pieces` of `faces`, mm^3.
+    #[must_use]
+    pub fn volumes_within(&self, faces: &[[u32; 3]], pieces: &[u32]) -> Vec<f64> {
+        let mut volumes = vec![0.0; pieces.iter().max().map_or(0, |&last| last as usize + 1)];
+        for (face, &piece) in faces.iter().zip(pieces) {
+            // Seen from near by: a part far from the origin keeps its digits.
+            let [a, b, c] = face.map(|v| self.positions[v as usize] - self.positions[0]);
+            volumes[piece as usize] += a.dot(&b.cross(&c)) / 6.0;
+        }
+        volumes
     }
 
     /// The corners of tetrahedron `t`, mm.

@@ -8,6 +8,7 @@ mod check;
 mod defect;
 mod interior;
 mod ladder;
+mod pieces;
 mod quality;
 #[cfg(test)]
 pub(crate) mod test_walls;
@@ -21,6 +22,7 @@ pub use boundary::Numbered;
 pub use check::check;
 pub use defect::TetDefect;
 pub use ladder::{Attempt, AttemptFailure, Filled, Unfilled, filled_wall};
+pub use pieces::{net_edges, turns_around};
 pub use quality::TetQuality;
 
 /// A program that fills walls with tetrahedra.

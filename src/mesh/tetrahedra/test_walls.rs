@@ -41,3 +41,30 @@ pub(crate) fn crossing() -> WallSurfaces {
     wall.chamber.positions.iter_mut().for_each(|p| p.x += 4.0);
     wall
 }
+
+/// The cells of a grid of cubes of the edge `h` (mm) for which `is_wall`, six tetrahedra each about the cube's diagonal.
+pub(crate) fn grid(cells: [usize; 3], h: f64, is_wall: impl Fn([usize; 3]) -> bool) -> TetMesh {
+    const ORDERS: [[usize; 3]; 6] =
+        [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let [_, ny, nz] = cells.map(|n| n + 1);
+    let vertex = |[i, j, k]: [usize; 3]| ((i * ny + j) * nz + k) as u32;
+    let all = |[nx, ny, nz]: [usize; 3]| {
+        (0..nx).flat_map(move |i| (0..ny).flat_map(move |j| (0..nz).map(move |k| [i, j, k])))
+    };
+    let positions: Vec<Vec3> =
+        all(cells.map(|n| n + 1)).map(|place| h * Vec3::from(place.map(|n| n as f64))).collect();
+    let of_cell = |cell: [usize; 3]| {
+        ORDERS.map(|order| {
+            let mut at = cell;
+            let mut corners = [vertex(at); 4];
+            for (corner, axis) in corners[1..].iter_mut().zip(order) {
+                at[axis] += 1;
+                *corner = vertex(at);
+            }
+            corners
+        })
+    };
+    let tetrahedra: Vec<[u32; 4]> =
+        all(cells).filter(|&cell| is_wall(cell)).flat_map(of_cell).collect();
+    TetMesh::of_tetrahedra(&positions, &tetrahedra, |_| false).unwrap().mesh
+}

@@ -10,8 +10,11 @@
 //! mid-surface is exact for an incompressible wall: inner and middle volume differ by a constant.
 //!
 //! A part cut off by planes of symmetry is closed by [`Fan`]s: the flat cut, as facets from an edge to a point of its plane.
-//! A plane through the origin of the volumes needs none.
+//! A plane through the origin of the volumes needs none. Openings, as an air inlet, are closed by [`LidFan`]s.
 
+use nalgebra::Matrix3;
+
+use super::lid::LidFan;
 use crate::math::Vec3;
 use crate::model::element::ElementPoints;
 use crate::model::local::{LocalDerivatives, Term};
@@ -27,6 +30,8 @@ pub struct ChamberPressure {
     limits: Vec<Vec<[f64; 6]>>,
     /// Of the last stencils, those that are no elements.
     fans: Vec<Fan>,
+    /// Of the stencils after them, one each.
+    lids: Vec<LidFan>,
     /// From where volumes are measured, mm.
     origin: Vec3,
 }
@@ -58,8 +63,33 @@ impl ChamberPressure {
             stencils: all().map(|points| points.nodes.clone()).collect(),
             limits: all().map(|points| points.weights.clone()).collect(),
             fans,
+            lids: Vec::new(),
             origin,
         }
+    }
+
+    /// The same chamber, closed by `lids` too.
+    ///
+    /// # Panics
+    /// When volumes are measured from elsewhere than the origin of the places.
+    #[must_use]
+    pub fn with_lids(mut self, lids: Vec<LidFan>) -> Self {
+        assert_eq!(self.origin, Vec3::zeros());
+        self.stencils.extend(lids.iter().map(|lid| lid.nodes.clone()));
+        self.limits.extend(lids.iter().map(|_| Vec::new()));
+        self.lids = lids;
+        self
+    }
+
+    /// Whether a stencil reaches beyond an element.
+    #[must_use]
+    pub fn has_lids(&self) -> bool {
+        !self.lids.is_empty()
+    }
+
+    fn lid(&self, s: usize) -> Option<&LidFan> {
+        let others = self.stencils.len() - self.lids.len();
+        s.checked_sub(others).map(|lid| &self.lids[lid])
     }
 
     /// The six points of a stencil, seen from the origin of the volumes.
@@ -74,7 +104,7 @@ impl ChamberPressure {
     }
 
     fn fan(&self, s: usize) -> Option<&Fan> {
-        let elements = self.stencils.len() - self.fans.len();
+        let elements = self.stencils.len() - self.fans.len() - self.lids.len();
         s.checked_sub(elements).map(|fan| &self.fans[fan])
     }
 
@@ -119,6 +149,9 @@ impl ChamberPressure {
     #[must_use]
     pub fn volume(&self, positions: &[Vec3]) -> f64 {
         let stencil_volume = |(s, (stencil, limits)): (usize, (&Vec<u32>, &Vec<[f64; 6]>))| {
+            if let Some(lid) = self.lid(s) {
+                return lid.volume(&places(stencil, positions));
+            }
             let x = stencil.iter().map(|&v| &positions[v as usize]);
             self.volume_of(s, &self.points(limits, x))
         };
@@ -128,6 +161,13 @@ impl ChamberPressure {
     /// Adds `dV/dx` to `gradient`, one vector for each control point, mm^2.
     pub fn add_volume_gradient(&self, positions: &[Vec3], gradient: &mut [Vec3]) {
         for (s, (stencil, limits)) in self.stencils.iter().zip(&self.limits).enumerate() {
+            if let Some(lid) = self.lid(s) {
+                let by_node = lid.gradient(&places(stencil, positions));
+                for (&node, share) in stencil.iter().zip(by_node) {
+                    gradient[node as usize] += share;
+                }
+                continue;
+            }
             let points = self.points(limits, stencil.iter().map(|&v| &positions[v as usize]));
             let by_point = self.gradient_of(s, &points);
             for (&node, weights) in stencil.iter().zip(limits) {
@@ -143,7 +183,11 @@ impl Term for ChamberPressure {
     }
 
     fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
-        Ok(-self.pressure * self.volume_of(s, &self.points(&self.limits[s], x)))
+        let volume = match self.lid(s) {
+            Some(lid) => lid.volume(x),
+            None => self.volume_of(s, &self.points(&self.limits[s], x)),
+        };
+        Ok(-self.pressure * volume)
     }
 
     fn derivatives(
@@ -152,6 +196,10 @@ impl Term for ChamberPressure {
         x: &[Vec3],
         local: &mut LocalDerivatives,
     ) -> Result<f64, Inadmissible> {
+        if let Some(lid) = self.lid(s) {
+            self.add_derivatives_of_lid(lid, x, local);
+            return Ok(-self.pressure * lid.volume(x));
+        }
         let limits = &self.limits[s];
         let points = self.points(limits, x);
         let by_point = self.gradient_of(s, &points);
@@ -164,18 +212,41 @@ impl Term for ChamberPressure {
                 let scaled = weights.map(|w| -self.pressure * w);
                 let half = axes.map(|axes| axes.map(|row| dot(&row, &scaled)));
                 for (block, row) in local.column_mut(j).iter_mut().zip(&limits[j..]) {
-                    let [x, y, z] = [0, 1, 2].map(|k| dot(&half[k], row));
-                    block[(1, 0)] += z;
-                    block[(0, 1)] -= z;
-                    block[(0, 2)] += y;
-                    block[(2, 0)] -= y;
-                    block[(2, 1)] += x;
-                    block[(1, 2)] -= x;
+                    add_cross(block, [0, 1, 2].map(|k| dot(&half[k], row)));
                 }
             }
         }
         Ok(-self.pressure * self.volume_of(s, &points))
     }
+}
+
+impl ChamberPressure {
+    fn add_derivatives_of_lid(&self, lid: &LidFan, x: &[Vec3], local: &mut LocalDerivatives) {
+        for (sum, share) in local.gradient_mut().iter_mut().zip(lid.gradient(x)) {
+            *sum -= self.pressure * share;
+        }
+        if local.with_hessian() {
+            lid.hessian_axes(x, |i, j, axis| {
+                add_cross(local.block_mut(i, j), (-self.pressure * axis).into());
+            });
+        }
+    }
+}
+
+/// The places of a stencil's nodes.
+fn places(stencil: &[u32], positions: &[Vec3]) -> Vec<Vec3> {
+    stencil.iter().map(|&v| positions[v as usize]).collect()
+}
+
+/// Adds the matrix of the cross product with `[x, y, z]`.
+#[inline]
+fn add_cross(block: &mut Matrix3<f64>, [x, y, z]: [f64; 3]) {
+    block[(1, 0)] += z;
+    block[(0, 1)] -= z;
+    block[(0, 2)] += y;
+    block[(2, 0)] -= y;
+    block[(2, 1)] += x;
+    block[(1, 2)] -= x;
 }
 
 impl Fan {
