@@ -41,7 +41,7 @@ impl Server {
     pub fn bind(address: SocketAddr) -> io::Result<Self> {
         let runtime = Builder::new_current_thread()
             .enable_all()
-            .max_blocking_threads(MOST_ANSWERS)
+            .max_blocking_threads(MOST_CONNECTIONS)
             .build()?;
         let listener = runtime.block_on(TcpListener::bind(address))?;
         Ok(Self { runtime, listener })
@@ -74,9 +74,6 @@ const LONGEST_REQUEST: Duration = Duration::from_secs(15);
 
 /// The time that a connection may take, whoever reads it however slowly.
 const LONGEST_CONNECTION: Duration = Duration::from_secs(600);
-
-/// Answers worked out at once: the others wait.
-const MOST_ANSWERS: usize = 8;
 
 /// Serves each connection that comes, so many at a time, until the process ends.
 async fn accept(listener: &TcpListener, router: &Router) {
