@@ -18,3 +18,4 @@ mod workshop;
 mod wrong_files;
 mod wrong_surfaces;
 mod wrong_usage;
+mod second_opinion;
