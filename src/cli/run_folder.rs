@@ -299,7 +299,8 @@ impl RunFolder {
         atomic::clear_unfinished(self.path())?;
         let candidates = self.file(CANDIDATES);
         if !logged.damaged.is_empty() {
-            let logs = [candidates.clone(), self.file(RUNNING)].map(|log| std::fs::read(log).ok());
+            let logs = [candidates.clone(), self.file(RUNNING)]
+                .map(|log| input::bytes(&log, input::DATA).ok());
             atomic::write(
                 &self.file(Self::DAMAGED),
                 &logs.into_iter().flatten().flatten().collect::<Vec<_>>(),

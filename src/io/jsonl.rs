@@ -32,6 +32,10 @@ impl JsonLog {
     /// [`OutputError::Write`] when the file system refuses.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         let write = |source| OutputError::write(path, source);
+        // A pipe would be waited for.
+        if path.exists() && !path.is_file() {
+            return Err(write(std::io::Error::other("it is not a file")));
+        }
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(write)?;
         let bytes = fs::read(path).map_err(write)?;
         let finished = finished_length(&bytes);
@@ -177,6 +181,17 @@ mod tests {
         }
         JsonLog::open(&path).unwrap().append(&row(1)).unwrap();
         assert_eq!(fs::read(&path).unwrap(), whole);
+    }
+
+    /// Opening a pipe to append to it would wait for a reader.
+    #[test]
+    fn a_log_that_is_no_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.jsonl");
+        let (kind, mode) = (rustix::fs::FileType::Fifo, rustix::fs::Mode::RUSR);
+        rustix::fs::mknodat(rustix::fs::CWD, &path, kind, mode, 0).unwrap();
+        let error = JsonLog::open(&path).unwrap_err().to_string();
+        assert!(error.ends_with("it is not a file"), "{error}");
     }
 
     #[test]

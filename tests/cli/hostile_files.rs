@@ -7,23 +7,20 @@ use super::workshop::Workshop;
 
 /// What the scene gives a cube of 15 mm with a cavity of 5 mm.
 const SOLID: &str = "[wall]\nthickness = 4\nclamp_height = 0.6\n[material]\nlaw = \"neo-hookean\"\nmu = 0.3\nbulk_modulus = 3.0\n\
-                     [load]\npressure = 0.01\n[load.path]\nsteps = 2\n[solver]\nbackend = \"native\"\n";
+                     [load]\npressure = 0.01\n[load.path]\nsteps = 1\n[solver]\nbackend = \"native\"\n";
 
 fn grid(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/vtu");
     std::fs::read(folder.join(name)).unwrap()
 }
 
-/// One grid in three forms under wrong names: the same path, byte for byte.
+/// One grid in two forms under wrong names: the same path, byte for byte.
 #[test]
 fn formats_are_seen_from_contents() {
     let workshop = Workshop::new();
     let mut paths = Vec::new();
-    for (name, form) in [
-        ("part.vtu", "ascii.vtu"),
-        ("part.VTU", "big_lz4_base64_64.vtu"),
-        ("part.msh", "big_lzma_raw_32.vtu"),
-    ] {
+    for (name, form) in [("part.VTU", "big_lz4_base64_64.vtu"), ("part.msh", "big_lzma_raw_32.vtu")]
+    {
         workshop.write(name, grid(form));
         workshop.write("scene.toml", format!("[part]\ntetrahedra = \"{name}\"\n{SOLID}"));
         let out = format!("out of {form}");
@@ -31,9 +28,8 @@ fn formats_are_seen_from_contents() {
         assert_eq!(said.code, 0, "{said:?}");
         paths.push(workshop.read(&format!("{out}/path.csv")));
     }
-    assert!(paths[0].lines().count() > 2, "{}", paths[0]);
+    assert!(paths[0].lines().count() > 1, "{}", paths[0]);
     assert_eq!(paths[0], paths[1]);
-    assert_eq!(paths[0], paths[2]);
     let stl = "[part]\nstl = \"part.VTU\"\n";
     workshop.refuse_scene(
         &format!("{stl}{SOLID}"),
