@@ -174,6 +174,7 @@ mod tests {
     #[test]
     fn twisted_plate_has_the_energy_of_its_twist() {
         let law = StVenantKirchhoff { young_modulus: 1000.0, poisson_ratio: 0.3 };
+        let material = Material::StVenantKirchhoff(law);
         let (thickness, twist): (f64, f64) = (0.1, 1e-5);
         let stiffness = 1000.0 * thickness.powi(3) / (12.0 * (1.0 - 0.09));
         let exact = stiffness * 0.7 * twist * twist * 6.0 * 2.0;
@@ -181,7 +182,6 @@ mod tests {
             let plate = |s: f64, t: f64| Vec3::new(s, t, 0.0);
             let patch = Patch::new(cells, [0.0, 6.0], [0.0, 2.0], thickness, &plate).unwrap();
             for element in ELEMENTS {
-                let material = Material::StVenantKirchhoff(law);
                 let loads = PatchLoads::default();
                 let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
                 let mut u = vec![0.0; model.unknowns()];
