@@ -3,6 +3,7 @@
 mod curved;
 mod ends;
 mod from_field;
+mod from_triangles;
 mod layers;
 mod lid;
 mod locate;
@@ -15,6 +16,7 @@ mod wall;
 
 pub use ends::Ends;
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
+pub use from_triangles::{Remeshed, edge_for, surface_of_triangles};
 pub use layers::unit_lattice;
 pub use lid::{Lid, RimDefect};
 pub use locate::Location;

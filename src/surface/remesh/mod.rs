@@ -1,22 +1,24 @@
-//! Incremental isotropic remeshing: triangles of one edge length on the zero level of a field.
+//! Incremental isotropic remeshing: triangles of one edge length on the zero level of a field, or on given triangles.
 //!
 //! ```text
 //! repeat: split edges > 4/3 h, collapse edges < 4/5 h, flip towards valence 6,
 //!         move each vertex to the middle of its neighbours along the surface, project it on the level
 //! ```
-//! The number of handles never changes. Sharp rims are not kept as features: they are rounded within
-//! about an edge length. What the edge length cannot resolve is refused, not approximated.
+//! The number of handles never changes. Sharp rims of a level are not kept as features: they are rounded within
+//! about an edge length. Those of given triangles are: their vertices move along them alone. What the edge length cannot resolve is refused, not approximated.
 //!
 //! Source: Botsch and Kobbelt (2004), A remeshing approach to multiresolution modeling, SGP, section 4.
 
 mod edits;
 mod passes;
+mod sharp;
 
 use crate::field::ScalarField;
 use crate::math::{Rejected, Room};
 
 use super::{HalfEdges, SurfaceQuality, TriangleMesh, intersecting_pairs};
-use passes::Workpiece;
+use passes::{Target, Workpiece};
+use sharp::{Original, SharpEdges};
 
 /// The target of remeshing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +59,46 @@ pub fn remesh(
     field: Option<&dyn ScalarField>,
     settings: &RemeshSettings,
 ) -> Result<TriangleMesh, Rejected> {
-    remeshed(mesh, field, settings, None)
+    let target = field.map_or(Target::Nearby, Target::Level);
+    remeshed(mesh, target, SharpEdges::default(), settings, None)
+}
+
+/// `mesh`, a closed manifold of triangles of any shape, in triangles of edge `settings.edge` with their corners on the given ones.
+///
+/// Edges that turn by more than `sharp` (degrees) stay edges, and where they meet stay corners. A needle, a fan or a facet that
+/// is longer than `settings.edge` leaves no trace.
+///
+/// # Errors
+/// As [`remesh`], and `unresolved_surface` too where the new triangles leave the given ones by more than half an edge, or
+/// are left by them by more than an edge (the violation is by how much more, over it).
+///
+/// # Panics
+/// When the edge length is not a positive number.
+pub fn remesh_triangles(
+    mesh: &TriangleMesh,
+    settings: &RemeshSettings,
+    sharp: f64,
+) -> Result<TriangleMesh, Rejected> {
+    let edges =
+        SharpEdges::of(mesh, &HalfEdges::try_from(mesh)?, sharp, SHORTEST_LINE * settings.edge);
+    let original = Original::new(mesh, &edges);
+    let remeshed = remeshed(mesh, Target::Triangles(&original), edges, settings, None)?;
+    let new = Original::new(&remeshed, &SharpEdges::default());
+    let shares = [
+        original.farthest(&remeshed) / (MOST_DEPARTURE * settings.edge),
+        new.farthest(mesh) / (MOST_LOSS * settings.edge),
+    ];
+    let share = shares.into_iter().fold(0.0, f64::max);
+    if share > 1.0 {
+        let detail = format!(
+            "with edges of {} mm: the new triangles leave the given ones by {:.2} mm, and are left by {:.2} mm",
+            settings.edge,
+            shares[0] * MOST_DEPARTURE * settings.edge,
+            shares[1] * MOST_LOSS * settings.edge
+        );
+        return Err(Rejected::new(Room::Surface, "unresolved_surface", detail, share - 1.0));
+    }
+    Ok(remeshed)
 }
 
 /// The zero level of `field` in triangles that are smaller where it bends; `mesh` is near it, a closed manifold.
@@ -78,12 +119,13 @@ pub fn remesh_graded(
     let Grading { shortest, chord_error, .. } = *grading;
     let is_length = |x: f64| x > 0.0 && x.is_finite();
     assert!(is_length(shortest) && is_length(chord_error), "{grading:?} must be positive numbers");
-    remeshed(mesh, Some(field), settings, Some(grading))
+    remeshed(mesh, Target::Level(field), SharpEdges::default(), settings, Some(grading))
 }
 
 fn remeshed(
     mesh: &TriangleMesh,
-    field: Option<&dyn ScalarField>,
+    target: Target<'_>,
+    sharp: SharpEdges,
     settings: &RemeshSettings,
     grading: Option<&Grading>,
 ) -> Result<TriangleMesh, Rejected> {
@@ -97,7 +139,10 @@ fn remeshed(
         let excess = needed / MOST_TRIANGLES - 1.0;
         return Err(Rejected::new(Room::Surface, "too_many_triangles", detail, excess));
     }
-    let mut work = Workpiece::new(HalfEdges::try_from(mesh)?, &mesh.positions, field, edge);
+    let mut work = Workpiece::new(HalfEdges::try_from(mesh)?, &mesh.positions, target, sharp, edge);
+    if matches!(target, Target::Triangles(_)) {
+        work.cut_up();
+    }
     for _ in 0..settings.iterations {
         if let Some(grading) = grading {
             work.grade(grading);
@@ -183,6 +228,13 @@ fn check_apart(mesh: &TriangleMesh) -> Result<(), Rejected> {
     }
     Ok(())
 }
+
+/// Of a sharp line, over the edge wanted.
+const SHORTEST_LINE: f64 = 2.0;
+/// Of new triangles from given ones, over the edge wanted: the middle of a chord across a right angle is 0.35 away.
+const MOST_DEPARTURE: f64 = 0.5;
+/// Of given triangles from new ones, over the edge wanted: more is a fin or a pin that was cut off.
+const MOST_LOSS: f64 = 1.0;
 
 /// The valences that a shell of subdivision elements is integrated for.
 const VALENCES: std::ops::RangeInclusive<usize> = 4..=9;

@@ -6,7 +6,19 @@ use crate::surface::TriangleMesh;
 use crate::surface::half_edges::{HalfEdges, NONE, next};
 use crate::surface::quality::radius_ratio;
 
+use super::sharp::{Freedom, Original, SharpEdges};
 use super::{Grading, LEAST_RADIUS_RATIO, VALENCES};
+
+/// Where the vertices belong.
+#[derive(Clone, Copy)]
+pub(super) enum Target<'a> {
+    /// Near the planes of their neighbours.
+    Nearby,
+    /// On the zero level of a field.
+    Level(&'a dyn ScalarField),
+    /// On given triangles.
+    Triangles(&'a Original),
+}
 
 /// A surface under remeshing; what edits have removed stays in the arrays, marked, until the end.
 pub(super) struct Workpiece<'a> {
@@ -14,7 +26,8 @@ pub(super) struct Workpiece<'a> {
     positions: Vec<Vec3>,
     /// The edge length wanted at each vertex, mm.
     sizes: Vec<f64>,
-    field: Option<&'a dyn ScalarField>,
+    target: Target<'a>,
+    sharp: SharpEdges,
     edge: f64,
 }
 
@@ -22,17 +35,18 @@ impl<'a> Workpiece<'a> {
     pub(super) fn new(
         surface: HalfEdges,
         positions: &[Vec3],
-        field: Option<&'a dyn ScalarField>,
+        target: Target<'a>,
+        sharp: SharpEdges,
         edge: f64,
     ) -> Self {
         let sizes = vec![edge; positions.len()];
-        Self { surface, positions: positions.to_vec(), sizes, field, edge }
+        Self { surface, positions: positions.to_vec(), sizes, target, sharp, edge }
     }
 
     /// Sets the edge length wanted at each vertex from the bends of its edges, changing by no more than half the way.
     pub(super) fn grade(&mut self, grading: &Grading) {
         let Grading { shortest, chord_error } = *grading;
-        let Some(field) = self.field else { return };
+        let Target::Level(field) = self.target else { return };
         let vertices: Vec<u32> =
             (0..self.positions.len() as u32).filter(|&v| self.is_used(v)).collect();
         let mut normals = vec![Vec3::zeros(); self.positions.len()];
@@ -77,9 +91,43 @@ impl<'a> Workpiece<'a> {
         }
     }
 
+    /// Cuts long edges at planes about an edge apart, so that needles, fans and facets leave pieces of about that size.
+    ///
+    /// Halving a needle's sides keeps its shape, and makes four of it each time.
+    pub(super) fn cut_up(&mut self) {
+        let all = |extreme: fn(&Vec3, &Vec3) -> Vec3| {
+            self.positions.iter().copied().reduce(|a, b| extreme(&a, &b)).unwrap_or_default()
+        };
+        let (lower, upper) = (all(Vec3::inf), all(Vec3::sup));
+        for axis in 0..3 {
+            let planes = ((upper[axis] - lower[axis]) / self.edge).ceil() as usize;
+            for k in 0..planes {
+                self.cut_at(axis, lower[axis] + (k as f64 + 0.5) * self.edge);
+            }
+        }
+    }
+
+    /// Splits the long edges that cross the plane where the coordinate `axis` is `height`, there.
+    fn cut_at(&mut self, axis: usize, height: f64) {
+        for h in 0..self.surface.origins.len() as u32 {
+            if !self.is_edge(h) || self.length(h) <= TOO_LONG * self.size(h) {
+                continue;
+            }
+            let [a, b, _] = self.corners(h);
+            let [below, above] = [height - a[axis], b[axis] - height];
+            let margin = LEAST_PIECE * self.edge;
+            if below * above > 0.0 && below.abs().min(above.abs()) > margin {
+                let m = self.split(h);
+                self.positions[m as usize] = a + below / (below + above) * (b - a);
+            }
+        }
+    }
+
     /// Shrinks edges that are too short to one of their ends, where that leaves no edge too long.
     pub(super) fn collapse_short(&mut self) {
-        loop {
+        // Around the middle of a fan edges go one by one; what is left goes in the next iteration.
+        let passes = if matches!(self.target, Target::Triangles(_)) { 12 } else { usize::MAX };
+        for _ in 0..passes {
             let mut collapsed = false;
             for h in 0..self.surface.origins.len() as u32 {
                 if self.is_edge(h) && self.length(h) < TOO_SHORT * self.size(h) {
@@ -115,22 +163,38 @@ impl<'a> Workpiece<'a> {
                 continue;
             }
             let old = self.positions[v as usize];
-            let (sum, count) =
-                self.surface.ring(v).fold((Vec3::zeros(), 0.0), |(sum, count), w| {
-                    (sum + self.positions[w as usize], count + 1.0)
-                });
-            let move_to_middle = sum / count - old;
-            let Some(normal) = self.normal(v).try_normalize(0.0) else { continue };
-            let along = move_to_middle - normal * normal.dot(&move_to_middle);
+            let freedom = self.sharp.freedom(&self.surface, v);
+            let Some(along) = self.way_to_middle(v, freedom) else { continue };
             let worst = self.worst_at(v, old).min(GOOD_RADIUS_RATIO);
             let longest = self.longest_at(v, old).max(LONGEST_REPAIR * self.edge);
             for share in [1.0, 0.5, 0.25, 0.0] {
-                let Some(moved) = self.projected(old + share * along) else { continue };
+                let Some(moved) = self.projected(old + share * along, freedom) else { continue };
                 let even = self.worst_at(v, moved) >= worst && self.longest_at(v, moved) <= longest;
                 if self.keeps_sides(v, moved) && (even || share == 0.0) {
                     self.positions[v as usize] = moved;
                     break;
                 }
+            }
+        }
+    }
+
+    /// The way from `v` to the middle of its neighbours along the surface, or along its sharp line; none for a corner.
+    fn way_to_middle(&self, v: u32, freedom: Freedom) -> Option<Vec3> {
+        let old = self.positions[v as usize];
+        match freedom {
+            Freedom::Corner => None,
+            Freedom::Line(ends) => {
+                let [a, b] = ends.map(|w| self.positions[w as usize]);
+                Some((a + b) / 2.0 - old)
+            }
+            Freedom::Surface => {
+                let (sum, count) =
+                    self.surface.ring(v).fold((Vec3::zeros(), 0.0), |(sum, count), w| {
+                        (sum + self.positions[w as usize], count + 1.0)
+                    });
+                let move_to_middle = sum / count - old;
+                let normal = self.normal(v).try_normalize(0.0)?;
+                Some(move_to_middle - normal * normal.dot(&move_to_middle))
             }
         }
     }
@@ -223,21 +287,33 @@ impl<'a> Workpiece<'a> {
         self.surface.spokes(v).map(|h| area_vector(self.corners(h))).sum()
     }
 
-    fn split(&mut self, h: u32) {
+    /// Halves the edge of `h` at a new vertex, which is returned.
+    fn split(&mut self, h: u32) -> u32 {
         let [a, b, _] = self.corners(h);
+        let ends = [self.surface.origin(h), self.surface.destination(h)];
         self.sizes.push(self.size(h));
-        self.surface.split(h);
+        let middle = self.surface.split(h);
+        self.sharp.split(ends, middle);
         self.positions.push((a + b) / 2.0);
+        middle
     }
 
     /// Collapses the edge of `h` to either end, if allowed; whether it did.
     fn collapse(&mut self, h: u32, longest: f64) -> bool {
-        if !self.surface.can_collapse(h) {
+        let (a, b) = (self.surface.origin(h), self.surface.destination(h));
+        // First, because of a fan's middle the rest looks at all pairs of spokes.
+        let is_crowded = self.surface.valence(a) + self.surface.valence(b) - 4 > *VALENCES.end();
+        if is_crowded || !self.surface.can_collapse(h) {
             return false;
         }
         let ends = [h, self.surface.twin(h)];
         let allowed = ends.into_iter().find(|&h| self.collapse_keeps_shape(h, longest));
         if let Some(h) = allowed {
+            if !self.sharp.is_empty() {
+                let (a, b) = (self.surface.origin(h), self.surface.destination(h));
+                let ring: Vec<u32> = self.surface.ring(a).collect();
+                self.sharp.collapse(a, b, &ring);
+            }
             self.surface.collapse(h);
         }
         allowed.is_some()
@@ -248,19 +324,17 @@ impl<'a> Workpiece<'a> {
     fn collapse_keeps_shape(&self, h: u32, longest: f64) -> bool {
         let (a, b) = (self.surface.origin(h), self.surface.destination(h));
         let target = self.positions[b as usize];
-        if self.surface.valence(a) + self.surface.valence(b) - 4 > *VALENCES.end() {
-            return false;
-        }
-        self.surface.spokes(a).all(|s| {
-            let [_, x, y] = self.corners(s);
-            let dies = self.surface.destination(s) == b || self.surface.apex(s) == b;
-            let old = self.corners(s);
-            let new = [target, x, y];
-            (target - x).norm() <= longest
-                && (dies
-                    || same_side(old, new)
-                        && radius_ratio(new) > radius_ratio(old).min(FLAT_RADIUS_RATIO))
-        })
+        self.sharp.may_collapse(&self.surface, h)
+            && self.surface.spokes(a).all(|s| {
+                let [_, x, y] = self.corners(s);
+                let dies = self.surface.destination(s) == b || self.surface.apex(s) == b;
+                let old = self.corners(s);
+                let new = [target, x, y];
+                (target - x).norm() <= longest
+                    && (dies
+                        || same_side(old, new)
+                            && radius_ratio(new) > radius_ratio(old).min(FLAT_RADIUS_RATIO))
+            })
     }
 
     /// By how much a flip lowers the sum of the squared differences of the valences from 6.
@@ -282,7 +356,9 @@ impl<'a> Workpiece<'a> {
             vector.dot(&mean) > LEAST_COSINE * vector.norm() * mean.norm()
         };
         let worst = |pair: [[Vec3; 3]; 2]| pair.map(radius_ratio).into_iter().fold(1.0, f64::min);
-        new.into_iter().all(faces_alike)
+        let [a, b] = [self.surface.origin(h), self.surface.destination(h)];
+        !self.sharp.has(a, b)
+            && new.into_iter().all(faces_alike)
             && worst(new) > worst(old).min(LEAST_RADIUS_RATIO)
             && bend(new) < bend(old).max(FLATTEST_CREASE)
             && (new[0][0] - new[0][1]).norm() < LONGEST_REPAIR * self.edge
@@ -326,10 +402,21 @@ impl<'a> Workpiece<'a> {
         })
     }
 
-    /// `point` moved along the gradient onto the zero level by damped Newton steps; itself where the
+    /// `point` of a vertex of such `freedom` moved to where it belongs; `None` where that is not nearby.
+    fn projected(&self, point: Vec3, freedom: Freedom) -> Option<Vec3> {
+        match self.target {
+            Target::Nearby => Some(point),
+            Target::Level(field) => self.on_level(field, point),
+            Target::Triangles(original) => {
+                let nearest = original.nearest(point, freedom);
+                ((nearest - point).norm() < LONGEST_PROJECTION * self.edge).then_some(nearest)
+            }
+        }
+    }
+
+    /// `point` moved along the gradient onto the zero level of `field` by damped Newton steps; itself where the
     /// gradient is unusable, and `None` where the level is not reached nearby.
-    fn projected(&self, mut point: Vec3) -> Option<Vec3> {
-        let Some(field) = self.field else { return Some(point) };
+    fn on_level(&self, field: &dyn ScalarField, mut point: Vec3) -> Option<Vec3> {
         let newton_step = |(value, gradient): (f64, Vec3)| {
             let step = -value / gradient.norm_squared() * gradient;
             step.iter().all(|x| x.is_finite()).then_some(step)
@@ -374,6 +461,8 @@ fn bend(pair: [[Vec3; 3]; 2]) -> f64 {
 /// Botsch and Kobbelt's limits, over the edge length wanted: halving or merging brings an edge nearer.
 const TOO_LONG: f64 = 4.0 / 3.0;
 const TOO_SHORT: f64 = 4.0 / 5.0;
+/// Between a cut and the end of an edge, over the edge length wanted.
+const LEAST_PIECE: f64 = 0.05;
 /// In a repair an edge may be as long as the final check allows, less some for the relaxation.
 const LONGEST_REPAIR: f64 = 1.7;
 /// Below it a triangle must not get worse by a collapse.
@@ -386,6 +475,8 @@ const GRADING_PASSES: usize = 4;
 const LEAST_COSINE: f64 = 0.35;
 /// A flip may make a crease of up to this 1 - cos.
 const FLATTEST_CREASE: f64 = 0.2;
+/// Over the edge length wanted: beyond, the nearest point is another fold's.
+const LONGEST_PROJECTION: f64 = 0.5;
 const MOST_NEWTON_STEPS: usize = 4;
 /// Over the edge length wanted.
 const LONGEST_NEWTON_STEP: f64 = 0.25;
