@@ -2,6 +2,7 @@
 
 use anyhow::{Context, anyhow, bail, ensure};
 
+use super::own_surface;
 use super::part::PartSource;
 use super::scene_file::SceneFile;
 use crate::field::{CappedField, CompiledNetwork, ScalarField};
@@ -22,32 +23,40 @@ pub(super) fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Resul
                 scene.design_box,
                 scene.mesh.rim_radius,
             )?;
-            shell_of_field(&field, &scene.mesh, &scene.wall)
+            shell_of_field(&field, &scene.mesh.settings(), &scene.wall)
                 .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))
         }
-        PartSource::Stl { file, surface } => {
+        PartSource::Stl { file, surface, .. } => {
             let name = file.display();
             surface.check_closed_manifold().with_context(|| name.to_string())?;
             let parts = surface.components().iter().max().map_or(0, |&last| last + 1);
             ensure!(
                 parts == 1,
-                "{name}: {parts} separate surfaces, but one closed chamber is wanted"
+                "{name}: {parts} separate surfaces, but one closed chamber is wanted{}",
+                if own_surface::is_body(surface) {
+                    ", the middle of its wall; this is a body around a cavity, which a mesher such as gmsh fills for [part] tetrahedra"
+                } else {
+                    ""
+                }
             );
             let crossings = intersecting_pairs(surface).len();
             ensure!(
                 crossings == 0,
                 "{name}: {crossings} pairs of triangles pass through each other"
             );
-            ShellMesh::new(surface.clone(), &scene.wall)
+            own_surface::triangles(&name.to_string(), surface, scene)
+                .and_then(|triangles| ShellMesh::new(triangles, &scene.wall))
                 .map_err(|rejected| anyhow!("{name}: {rejected}"))
         }
         PartSource::Sphere(sphere) => {
             let surface = TriangleMesh::sphere(sphere.radius, sphere.subdivisions);
             free_shell(surface, scene).map_err(|rejected| anyhow!("[part.sphere]: {rejected}"))
         }
-        PartSource::Ellipsoid(semi_axes) => ellipsoid(Vec3::from(*semi_axes), scene.mesh.edge)
-            .and_then(|surface| free_shell(surface, scene))
-            .map_err(|rejected| anyhow!("[part.ellipsoid]: {rejected}")),
+        PartSource::Ellipsoid(semi_axes) => {
+            ellipsoid(Vec3::from(*semi_axes), scene.mesh.settings().edge)
+                .and_then(|surface| free_shell(surface, scene))
+                .map_err(|rejected| anyhow!("[part.ellipsoid]: {rejected}"))
+        }
         PartSource::Patch(_) => bail!("a patch is not closed"),
         PartSource::Tetrahedra { .. } => bail!("tetrahedra are no shell"),
     }

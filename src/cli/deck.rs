@@ -27,7 +27,7 @@ use super::shape::NO_CHAMBER;
 use super::simulate::OnDisk;
 use super::solid_part::{SolidPart, SolidReport, SolidSection};
 use super::walk_summary::WalkSummary;
-use super::{say, warn};
+use super::{own_surface, say, warn};
 use crate::evolve::IndividualId;
 use crate::fitness::{LoadSettings, shell_of_network};
 use crate::genome::Genome;
@@ -217,8 +217,10 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
     let given = scene.material.material()?;
     let material = compressible(&given, choices.poisson_ratio)?;
     let mut chamber = None;
-    let (mesh, report, ends) = match scene.part.source(path, &OnDisk)? {
-        PartSource::Tetrahedra { file, solid } => {
+    let source = scene.part.source(path, &OnDisk)?;
+    source.check_size(&scene.part, scene.wall.thickness)?.iter().for_each(|line| warn(line));
+    let (mesh, report, ends) = match source {
+        PartSource::Tetrahedra { file, solid, .. } => {
             let OwnSolid { mesh, chamber: found, warnings } = solid;
             ensure!(!mesh.chamber.is_empty(), "{}: {NO_CHAMBER}", file.display());
             warnings.iter().for_each(|warning| warn(&format!("{}: {warning}", file.display())));
@@ -230,6 +232,10 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
             let shell = shell(&scene, &source)?;
             let section = with_edge(scene.solid.unwrap_or_default(), choices)?;
             let law = Material::Compressible(material.clone());
+            let model = PartModel::new(&shell, &law, &Support::Clamp, &[])
+                .map_err(|rejected| anyhow!("{rejected}"))?;
+            let judgement = own_surface::judged(&scene, &source, &shell, &model)?;
+            judgement.iter().for_each(|line| warn(line));
             let (mesh, report) = solid(&shell, &law, &section)?;
             let ends = Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &scene.wall);
             (mesh, Some(report), ends)

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::placement::Placed;
 use super::watch_curve::WatchCurve;
 use crate::fitness::Observation;
 use crate::io::vtu::{Picture, Values, write_series};
@@ -28,9 +29,10 @@ pub(super) fn write_path(
     model: &PartModel,
     points: &[PathPoint],
     rows: &[Observation],
+    placed: Placed,
 ) -> Result<(), OutputError> {
     csv::write(&folder.join(format!("{name}.csv")), rows)?;
-    write_pictures(folder, name, &mesh.surface, model, points)
+    write_pictures(folder, name, &mesh.surface, model, points, placed)
 }
 
 /// Writes `<name>.pvd` with one picture for each of `points`: a shell's middle with what its wall bears; of a solid that shows the
@@ -41,9 +43,10 @@ pub(super) fn write_pictures(
     surface: &TriangleMesh,
     model: &PartModel,
     points: &[PathPoint],
+    placed: Placed,
 ) -> Result<(), OutputError> {
     if !model.is_solid() {
-        return write_model_pictures(folder, name, model, points);
+        return write_model_pictures(folder, name, model, points, placed);
     }
     write_frames(folder, name, points, |path, point| {
         let displacement = model.vertex_displacements(&point.x);
@@ -63,8 +66,10 @@ pub(super) fn write_model_pictures(
     name: &str,
     model: &PartModel,
     points: &[PathPoint],
+    placed: Placed,
 ) -> Result<(), OutputError> {
-    let (at_rest, cells) = model.picture_cells();
+    let (mut at_rest, cells) = model.picture_cells();
+    placed.put_back(&mut at_rest);
     write_frames(folder, name, points, |path, point| {
         let displacement = model.picture_displacements(&point.x);
         let positions = displaced(&at_rest, &displacement);

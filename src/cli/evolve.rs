@@ -15,6 +15,7 @@ use super::material::instability;
 use super::meaning::Meaning;
 use super::overload::overload;
 use super::patience::{End, Patience};
+use super::placement::Placed;
 use super::provenance::COMMIT;
 use super::resume::Start;
 use super::run_file::RunFile;
@@ -359,9 +360,17 @@ impl Search {
         };
         write_surface(&folder, &mesh)?;
         let model = &scenarios.model;
-        write_path(&folder, "path", &mesh, model, &scenarios.free.points, &scenarios.free_rows)?;
+        write_path(
+            &folder,
+            "path",
+            &mesh,
+            model,
+            &scenarios.free.points,
+            &scenarios.free_rows,
+            Placed::default(),
+        )?;
         let (points, rows) = (&scenarios.blocked.points, &scenarios.blocked_rows);
-        write_path(&folder, "path_blocked", &mesh, model, points, rows)?;
+        write_path(&folder, "path_blocked", &mesh, model, points, rows, Placed::default())?;
         Ok(())
     }
 

@@ -18,13 +18,16 @@ mod inspect;
 mod material;
 mod meaning;
 mod mesh;
+mod mesh_section;
 #[cfg(feature = "monitor")]
 mod monitor;
 mod overload;
+mod own_surface;
 mod part;
 mod patch_part;
 mod patience;
 mod pick;
+mod placement;
 mod provenance;
 mod report;
 mod resume;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::material::{positive, within};
 use super::patch_part::PatchSection;
+use super::placement::{Axis, Placed, bounds, check_size};
 use crate::genome::Network;
 use crate::io::{ChamberChoice, GroupKey, OwnSolid};
 use crate::surface::TriangleMesh;
@@ -31,6 +32,13 @@ pub(super) struct Part {
     /// Of tetrahedra: whether flat openings of the chamber, as an air inlet, are closed by lids without mass and stiffness.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub close_inlet: bool,
+    /// For an STL file or tetrahedra: the direction in the file that is the part's long axis, `x`, `-x`, `y`, `-y`, `z` or `-z`; the
+    /// part is turned until it points along z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<Axis>,
+    /// For an STL file or tetrahedra: mm in one unit of the file; 1000 for metres, 25.4 for inches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
     /// An open surface given by formulas.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patch: Option<PatchSection>,
@@ -79,10 +87,12 @@ pub(super) enum PartSource<'a> {
     Stl {
         file: PathBuf,
         surface: TriangleMesh,
+        placed: Placed,
     },
     Tetrahedra {
         file: PathBuf,
         solid: OwnSolid,
+        placed: Placed,
     },
     Patch(&'a PatchSection),
     Sphere(SphereSection),
@@ -94,6 +104,25 @@ impl PartSource<'_> {
     /// Whether the part is a shell that is clamped at its base and has a tip.
     pub(super) fn is_actuator(&self) -> bool {
         matches!(self, Self::Network { .. } | Self::Stl { .. })
+    }
+
+    /// Where the file's part was put.
+    pub(super) fn placed(&self) -> Placed {
+        match self {
+            Self::Stl { placed, .. } | Self::Tetrahedra { placed, .. } => *placed,
+            _ => Placed::default(),
+        }
+    }
+
+    /// Refuses a part of one's own that is no larger than its wall of `thickness` (mm); a line about one that lies on its side.
+    pub(super) fn check_size(&self, part: &Part, thickness: f64) -> anyhow::Result<Option<String>> {
+        let (file, positions) = match self {
+            Self::Stl { file, surface, .. } => (file, &surface.positions),
+            Self::Tetrahedra { file, solid, .. } => (file, &solid.mesh.positions),
+            _ => return Ok(None),
+        };
+        let Some(bounds) = bounds(positions) else { return Ok(None) };
+        check_size(&file.display().to_string(), part, bounds, thickness)
     }
 }
 
@@ -123,12 +152,16 @@ impl Part {
             Ok(PartSource::Network { network: files.network(&file)?, file })
         } else if let Some(file) = stl {
             let file = beside(file);
-            Ok(PartSource::Stl { surface: files.surface(&file)?, file })
+            let mut surface = files.surface(&file)?;
+            let placed = Placed::new(self, &mut surface.positions);
+            Ok(PartSource::Stl { surface, file, placed })
         } else if let Some(file) = tetrahedra {
             let file = beside(file);
             let choice =
                 ChamberChoice { group: self.chamber.clone(), close_inlet: self.close_inlet };
-            Ok(PartSource::Tetrahedra { solid: files.tetrahedra(&file, &choice)?, file })
+            let mut solid = files.tetrahedra(&file, &choice)?;
+            let placed = Placed::new(self, &mut solid.mesh.positions);
+            Ok(PartSource::Tetrahedra { solid, file, placed })
         } else if let Some(patch) = patch {
             Ok(PartSource::Patch(patch))
         } else if let Some(sphere) = sphere {
@@ -154,6 +187,14 @@ impl Part {
                 self.tetrahedra.is_some(),
                 "[part] {key} is for `tetrahedra`, which are not given"
             );
+        }
+        let is_own = self.stl.is_some() || self.tetrahedra.is_some();
+        ensure!(
+            is_own || (self.axis.is_none() && self.scale.is_none()),
+            "[part] axis and scale are for an `stl` or `tetrahedra`; other parts lie along z, in mm"
+        );
+        if let Some(scale) = self.scale {
+            positive("[part] scale", scale)?;
         }
         if let Some(EllipsoidSection { semi_axes }) = self.ellipsoid {
             for semi_axis in semi_axes {

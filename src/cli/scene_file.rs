@@ -6,11 +6,12 @@ use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::material::{MaterialSection, positive, within};
+use super::mesh_section::{Edge, MeshSection};
 use super::part::Part;
 use super::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PinSection, check_patch_pressure,
 };
-use super::run_file::{check_distance, check_mesh, check_normal, check_shell, check_solver};
+use super::run_file::{check_distance, check_normal, check_shell, check_solver};
 use super::solid_part::SolidSection;
 use super::verify_section::{MeshSize, VerifySection};
 use super::watch::{WatchSection, Watchable};
@@ -30,9 +31,9 @@ pub(super) struct SceneFile {
     /// For a network: where the chamber may be, mm.
     #[serde(rename = "box", default)]
     pub design_box: DesignBox,
-    /// For a network, and of an ellipsoid its edge: how finely it is meshed.
+    /// How finely a network, an STL file or an ellipsoid is meshed.
     #[serde(default)]
-    pub mesh: MeshSettings,
+    pub mesh: MeshSection,
     #[serde(default)]
     pub wall: ShellSettings,
     #[serde(default)]
@@ -204,7 +205,7 @@ impl SceneFile {
             "[solver] linear = \"iterative\" is PETSc's; set backend = \"petsc\""
         );
         check_shell(&self.wall, &self.load_settings())?;
-        check_mesh(self.design_box, &self.mesh)?;
+        self.mesh.check(&self.part, self.design_box)?;
         self.material.material()?;
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
@@ -302,7 +303,7 @@ impl SceneFile {
             }
         }
         self.check_supply()?;
-        self.part.check(self.mesh.edge)?;
+        self.part.check(self.mesh.settings().edge)?;
         ensure!(
             self.part.patch.is_none() || self.has_load(),
             "a [part.patch] wants a load other than zero: [load] pressure, [[force]] or [[moment]]"
@@ -344,7 +345,7 @@ impl SceneFile {
                 sphere.subdivisions = n;
             }
             (MeshSize::Edge(edge), Part { patch: None, sphere: None, .. }) => {
-                scene.mesh.edge = edge;
+                scene.mesh.edge = Some(Edge::Length(edge));
             }
             _ => bail!(
                 "[verify] mesh {mesh} fits no part here: a patch wants [n, m], a sphere a whole number, other parts an edge in mm as 3.0"
@@ -410,6 +411,9 @@ const LIST_EXAMPLES: &str = "
 # activation = 0.2  # gap at which they begin to push, in thicknesses
 # pressure = 0.2  # about how hard they press, MPa; the largest pressure where it is left out
 
+# Your own surface, the middle of the wall: [part] stl = \"part.stl\", with axis = \"x\" where it lies along x and scale = 1000 where it is in
+# metres. [mesh] edge is 1.5 wall thicknesses where it is left out; edge = \"as given\" keeps the file's triangles.
+
 # The wall in tetrahedra (a network or an STL file), instead of a shell. Or your own: [part] tetrahedra = \"wall.msh\",
 # with chamber = \"name\" (or number) of the physical group of its triangles, and close_inlet = true where that is open at a flat inlet
 # [solid]
@@ -449,7 +453,10 @@ pub(super) fn defaults() -> String {
     let scene = SceneFile {
         part: Part { network: Some("network.toml".into()), ..Part::default() },
         design_box: DesignBox::default(),
-        mesh: MeshSettings::default(),
+        mesh: MeshSection {
+            edge: Some(Edge::Length(MeshSettings::default().edge)),
+            ..MeshSection::default()
+        },
         wall: ShellSettings::default(),
         material: MaterialSection::default(),
         load: LoadSection {

@@ -84,7 +84,7 @@ impl Shape {
         if let PartSource::Patch(section) = source {
             return of_patch(scene, section);
         }
-        if let PartSource::Tetrahedra { file, solid } = source {
+        if let PartSource::Tetrahedra { file, solid, .. } = source {
             return of_tetrahedra(scene, solid).with_context(|| file.display().to_string());
         }
         let mesh = closed_part::shell(scene, source)?;

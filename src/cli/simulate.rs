@@ -19,7 +19,7 @@ use super::scene_file::SceneFile;
 use super::shape::watches_of_closed;
 use super::solid_part::{SolidPart, SolidReport};
 use super::walk_summary::WalkSummary;
-use super::{say, simulate_shape, warn};
+use super::{own_surface, say, simulate_shape, walk_summary, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
 use crate::io::{ChamberChoice, OutputFolder, OwnSolid, atomic, msh, part_file, stl, toml_file};
@@ -82,10 +82,14 @@ pub(super) fn run(
     let stop = Stop::when(&is_over);
     let scene = SceneFile::read(path, solver)?;
     let source = scene.part.source(path, &OnDisk)?;
+    let lies = source.check_size(&scene.part, scene.wall.thickness)?;
     if !source.is_actuator() {
+        if job.is_first() {
+            lies.iter().for_each(|line| warn(line));
+        }
         return simulate_shape::run(path, &scene, &source, out, json, job, stop);
     }
-    let mesh = shell(&scene, &source)?;
+    let mut mesh = shell(&scene, &source)?;
     check_tip(&mesh).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
 
@@ -96,11 +100,15 @@ pub(super) fn run(
     }
     let failed = |rejected: Rejected| anyhow!("{}: {rejected}", path.display());
     let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes).map_err(failed)?;
+    let judgement = own_surface::judged(&scene, &source, &mesh, &model)?;
+    if job.is_first() {
+        lies.iter().chain(&judgement).for_each(|line| warn(line));
+    }
     model.watch_folds(!scene.load.may_overlap);
     if let Some(settings) = scene.self_contact()? {
         model.keep_folds_apart(settings);
     }
-    let solid = match &scene.solid {
+    let mut solid = match &scene.solid {
         None => None,
         Some(section) => Some(SolidPart::new(&model, mesh.thickness, section)?.map_err(failed)?),
     };
@@ -134,7 +142,7 @@ pub(super) fn run(
         stored_energy: last.stored_energy,
         plane_force: last.plane_force,
         planes: plane_summaries(&model, &walked.points),
-        walk: WalkSummary::new(&walked, &model),
+        walk: WalkSummary::new(&walked, &model).of_placed(source.placed()),
         newton_iterations: walked.newton_iterations,
         unknowns: model.unknowns(),
         creased_share: model.creased_share(),
@@ -150,12 +158,14 @@ pub(super) fn run(
         provenance: Provenance::of_this_process(),
     };
     atomic::write(&folder.file("scene.toml"), toml::to_string(&scene)?.as_bytes())?;
+    source.placed().put_back(&mut mesh.surface.positions);
+    solid.iter_mut().for_each(|solid| source.placed().put_back(&mut solid.mesh.positions));
     write_surface(folder.path(), &mesh)?;
     if let Some(solid) = &solid {
         msh::write(&folder.file("wall.msh"), &solid.mesh)?;
-        write_model_pictures(folder.path(), "solid", &model, &walked.points)?;
+        write_model_pictures(folder.path(), "solid", &model, &walked.points, source.placed())?;
     }
-    write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows)?;
+    write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows, source.placed())?;
     write_contact(folder.path(), &model, &walked.points)?;
     if !scene.watches.is_empty() {
         let largest = scene.load_settings().pressure;
@@ -193,6 +203,7 @@ fn walk(
         "the part is not stable at rest ({}): look at its mesh and its material",
         walked.ending.name().replace('_', " ")
     );
+    walk_summary::check_left_rest(&walked)?;
     Ok((walked, solver.times()))
 }
 

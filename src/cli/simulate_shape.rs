@@ -13,7 +13,7 @@ use super::provenance::Provenance;
 use super::scene_file::SceneFile;
 use super::shape::{ChamberReport, Measured, Shape};
 use super::simulate::NOTHING_WRITTEN;
-use super::walk_summary::WalkSummary;
+use super::walk_summary::{WalkSummary, check_left_rest};
 use super::{say, warn};
 use crate::fitness::stability;
 use crate::io::{OutputFolder, atomic, csv, stl};
@@ -92,7 +92,10 @@ pub(super) fn run(
         shape.warnings.iter().for_each(|warning| warn(&format!("{file}: {warning}")));
     }
     let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
-    let measured = shape.measure(scene, scene.solver.backend, start, stop).with_context(named);
+    let measured = shape
+        .measure(scene, scene.solver.backend, start, stop)
+        .and_then(|measured| check_left_rest(&measured.walked).map(|()| measured))
+        .with_context(named);
     let Some((folder, lock)) = claim else { return Ok(End::of(&measured?.walked)) };
     let Measured { walked, unknowns, cpu_seconds, curves, .. } = match measured {
         Ok(measured) if !measured.walked.points.is_empty() => measured,
@@ -144,7 +147,7 @@ pub(super) fn run(
         stored_energy: last.stored_energy,
         max_displacement: last.max_displacement,
         planes: plane_summaries(&shape.model, &walked.points),
-        walk: WalkSummary::new(&walked, &shape.model),
+        walk: WalkSummary::new(&walked, &shape.model).of_placed(source.placed()),
         linear: scene.load.linear,
         newton_iterations: walked.newton_iterations,
         unknowns,
@@ -153,11 +156,12 @@ pub(super) fn run(
         provenance: Provenance::of_this_process(),
     };
     atomic::write(&folder.file("scene.toml"), toml::to_string(scene)?.as_bytes())?;
+    source.placed().put_back(&mut shape.surface.positions);
     stl::write(&folder.file("surface.stl"), &shape.surface)?;
     csv::write(&folder.file("path.csv"), &rows)?;
     write_contact(folder.path(), &shape.model, &walked.points)?;
     write_watches(folder.path(), watches())?;
-    write_model_pictures(folder.path(), "path", &shape.model, &walked.points)?;
+    write_model_pictures(folder.path(), "path", &shape.model, &walked.points, source.placed())?;
     write_json(&folder.file("summary.json"), &summary)?;
     lock.remove();
     say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });

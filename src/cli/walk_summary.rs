@@ -1,7 +1,10 @@
 //! How a path went, for `summary.json` and the last line on the terminal.
 
+use anyhow::ensure;
 use serde::Serialize;
 
+use super::placement::Placed;
+use crate::math::Vec3;
 use crate::model::PartModel;
 use crate::solve::{Ending, Path, PathPoint};
 
@@ -18,6 +21,15 @@ pub(super) struct WalkSummary {
     pub limit_load: Option<f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub snaps: Vec<SnapRow>,
+}
+
+/// Refuses a path on which the method found nothing but the state at rest.
+pub(super) fn check_left_rest(walked: &Path) -> anyhow::Result<()> {
+    ensure!(
+        walked.ending != Ending::Stalled || walked.points.len() > 1,
+        "the path stalls at rest: no state under any load was found; look at the mesh, the clamp and the size of the load"
+    );
+    Ok(())
 }
 
 /// One loss of stability that the path went over; its shapes are the pictures of the step and of the one before.
@@ -54,6 +66,16 @@ impl WalkSummary {
             limit_load: walked.limit_load(),
             snaps: walked.points.windows(2).enumerate().filter_map(snap).collect(),
         }
+    }
+
+    /// As of a part that was put at its place in the computation.
+    pub(super) fn of_placed(mut self, placed: Placed) -> Self {
+        if let Some(near) = &mut self.ended_near {
+            let mut place = [Vec3::from(*near)];
+            placed.put_back(&mut place);
+            *near = place[0].into();
+        }
+        self
     }
 
     /// The ending as a sentence begins, with its place and the number of snaps.

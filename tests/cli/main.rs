@@ -9,6 +9,7 @@ mod interrupted;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;
+mod own_surfaces;
 mod own_tetrahedra;
 mod pictures;
 mod simulate;

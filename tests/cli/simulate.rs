@@ -130,7 +130,8 @@ fn json_on_the_terminal_is_the_summary() {
 fn an_stl_simulates_like_the_network_it_was_made_from() {
     let network = simulated(SCENE, "native");
     std::fs::copy(network.path("out/surface.stl"), network.path("part.stl")).unwrap();
-    network.write("stl.toml", SCENE.replace("network = \"network.toml\"", "stl = \"part.stl\""));
+    let scene = SCENE.replace("network = \"network.toml\"", "stl = \"part.stl\"");
+    network.write("stl.toml", scene.replace("edge = 4.0", "edge = \"as given\""));
     network.succeed(&["simulate", "stl.toml", "--out", "from_stl"]);
     for column in ["tip_x", "tip_z", "volume"] {
         let [a, b] =

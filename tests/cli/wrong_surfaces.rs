@@ -84,14 +84,19 @@ fn several_surfaces_are_no_chamber() {
     hollow
         .triangles
         .extend(second.triangles.iter().map(|&[a, b, c]| [b + shift, a + shift, c + shift]));
-    refuse_surface(&hollow, &["part.stl: 2 separate surfaces"]);
+    refuse_surface(
+        &hollow,
+        &["part.stl: 2 separate surfaces", "a body around a cavity", "tetrahedra"],
+    );
 }
 
 #[test]
 fn a_clamp_holds_something_and_not_everything() {
     let workshop = Workshop::new();
     stl::write(&workshop.path("part.stl"), &sphere()).unwrap();
-    let clamped = |height: &str| format!("{PART}[wall]\nclamp_height = {height}\n");
+    let clamped = |height: &str| {
+        format!("{PART}[mesh]\nedge = \"as given\"\n[wall]\nclamp_height = {height}\n")
+    };
     workshop
         .refuse_scene(&clamped("1e-9"), &["part.stl: Mesh: clamp_holds_nothing", "fewer than 3"]);
     for height in ["1000", "12.4"] {
@@ -113,7 +118,13 @@ fn a_clamp_holds_something_and_not_everything() {
 fn a_wall_thicker_than_its_part_is_told() {
     let mut tiny = sphere();
     tiny.positions.iter_mut().for_each(|position| *position *= 1e-3);
-    refuse_surface(&tiny, &["the clamp holds the tip too"]);
+    refuse_surface(
+        &tiny,
+        &[
+            "part.stl: the part is 0.020 mm long and its wall 1.600 mm thick; is the file in metres",
+            "scale",
+        ],
+    );
 }
 
 /// Nothing is left of a path that could not begin.
