@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::closed_part;
 use super::part::{PartFiles, PartSource};
+use super::placement::Placed;
 use super::run_file::RunFile;
 use super::run_folder::RunFolder;
 use super::scene_file::SceneFile;
@@ -46,9 +47,11 @@ fn looked_at(input: Input, path: &Path) -> anyhow::Result<()> {
         Input::Run => RunFile::read(path, None).map(|_| ()),
         Input::Network => read_network(path).map(|_| ()),
         Input::Surface => {
-            let surface = OnDisk.surface(path)?;
+            let mut surface = OnDisk.surface(path)?;
             let scene: SceneFile = toml_file::parse(ANY_SCENE, Path::new("scene.toml"))?;
-            let source = PartSource::Stl { file: path.to_owned(), surface };
+            let placed = Placed::new(&scene.part, &mut surface.positions);
+            let source = PartSource::Stl { file: path.to_owned(), surface, placed };
+            source.check_size(&scene.part, scene.wall.thickness)?;
             closed_part::shell(&scene, &source).map(|_| ())
         }
         Input::Tetrahedra => OnDisk.tetrahedra(path, &ChamberChoice::default()).map(|_| ()),

@@ -69,7 +69,7 @@ pub fn remesh(
 /// is longer than `settings.edge` leaves no trace.
 ///
 /// # Errors
-/// As [`remesh`], and `unresolved_surface` too where the new triangles leave the given ones by more than half an edge, or
+/// As [`remesh`], `too_many_triangles` too for a part of more than 2000 edges' length, and `unresolved_surface` too where the new triangles leave the given ones by more than half an edge, or
 /// are left by them by more than an edge (the violation is by how much more, over it).
 ///
 /// # Panics
@@ -79,6 +79,16 @@ pub fn remesh_triangles(
     settings: &RemeshSettings,
     sharp: f64,
 ) -> Result<TriangleMesh, Rejected> {
+    let longest = mesh.bounding_box().map_or(0.0, |(lower, upper)| (upper - lower).max());
+    let share = longest / (MOST_EDGES * settings.edge);
+    if share > 1.0 {
+        let detail = format!(
+            "it is {longest:.0} mm long, {:.0} edges of {} mm where {MOST_EDGES:.0} are allowed",
+            longest / settings.edge,
+            settings.edge
+        );
+        return Err(Rejected::new(Room::Surface, "too_many_triangles", detail, share - 1.0));
+    }
     let edges =
         SharpEdges::of(mesh, &HalfEdges::try_from(mesh)?, sharp, SHORTEST_LINE * settings.edge);
     let original = Original::new(mesh, &edges);
@@ -229,6 +239,8 @@ fn check_apart(mesh: &TriangleMesh) -> Result<(), Rejected> {
     Ok(())
 }
 
+/// Along a part: planes at which triangles are cut.
+const MOST_EDGES: f64 = 2000.0;
 /// Of a sharp line, over the edge wanted.
 const SHORTEST_LINE: f64 = 2.0;
 /// Of new triangles from given ones, over the edge wanted: the middle of a chord across a right angle is 0.35 away.
