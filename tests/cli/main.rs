@@ -6,6 +6,8 @@ mod evolve;
 mod export;
 mod hostile_files;
 mod interrupted;
+mod keys;
+mod loads;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;
