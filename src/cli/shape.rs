@@ -1,6 +1,6 @@
 //! A part of a scene file, loaded, solved and watched.
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
 use super::closed_part;
@@ -13,7 +13,7 @@ use crate::io::{ChamberFound, OwnSolid};
 use crate::math::cpu_seconds;
 use crate::mesh::{Ends, Patch, ShellMesh, ShellSettings, Side, SolidMesh};
 use crate::model::system::{LoadedSystem, System};
-use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads};
+use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads, free_motions};
 use crate::solve::{
     Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, Stop, follow_from,
 };
@@ -159,6 +159,11 @@ fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
     let vertices = ends.tip(surface.positions.iter().map(|x| x.z));
     let planes = scene.plane_settings(scene.load_settings().pressure);
     let held = SolidMesh::unknowns_of(&clamped);
+    if let Some(motions) = free_motions(&mesh.positions, &held) {
+        bail!(
+            "the clamp below z = {clamp_top:.3} mm leaves the part free to move: {motions}; see [wall] clamp_height"
+        );
+    }
     let material = scene.material.material()?;
     let model = PartModel::of_solid(mesh, thickness, &material, held, &planes)
         .map_err(|rejected| anyhow!("{rejected}"))?;
@@ -211,6 +216,16 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
     }
     for moment in &scene.moments {
         loads.moments.push((moment.side, moment.per_length()?));
+    }
+    if let Some(motions) = loads.free_motions(&patch) {
+        let of_planes = if scene.planes.is_empty() {
+            ""
+        } else {
+            " (a [[plane]] pushes a part, but does not hold it)"
+        };
+        bail!(
+            "[part.patch] can move freely: {motions}; hold it with an [[edge]] or a [[pin]]{of_planes}"
+        );
     }
     loads.planes = scene.plane_settings(loads.mean_pressure(&patch));
     let material = scene.material.material()?;

@@ -9,7 +9,7 @@ use anyhow::{Context, ensure};
 use super::material::positive;
 use super::scene_file::SceneFile;
 use super::verify_files::{SceneFolder, title};
-use super::verify_section::{MeshSize, VerifySection};
+use super::verify_section::{MeshSize, SameAs, VerifySection};
 use crate::io::toml_file;
 use crate::mesh::ShellElement;
 
@@ -119,8 +119,9 @@ impl StabilityCase {
             verify.reference.is_empty() || verify.error.is_some() || !verify.accept.is_empty(),
             "[verify] has a reference, but no `error` that is accepted"
         );
-        if let Some(name) = &verify.iterates_as {
-            FOLDER.file(name).context("[verify] iterates_as")?;
+        if let Some(SameAs { case, factor }) = &verify.same_as {
+            FOLDER.file(case).context("[verify] same_as")?;
+            positive("[verify] same_as factor", *factor)?;
         }
         self.scene.as_ref().map_or(Ok(()), |scene| verify.check(scene))
     }
@@ -135,7 +136,7 @@ macro_rules! files {
 /// The scenes of all cases.
 pub(super) const FOLDER: SceneFolder = SceneFolder { path: "verify/stability", files: &FILES };
 
-const FILES: [(&str, &str); 36] = files![
+const FILES: [(&str, &str); 38] = files![
     "nu_049",
     "nu_0499",
     "nu_04999",
@@ -171,6 +172,8 @@ const FILES: [(&str, &str); 36] = files![
     "stiff",
     "feather",
     "cap",
+    "flat_membrane",
+    "half_ring_on_plane",
     "cylinder_crushed",
 ];
 
@@ -211,12 +214,12 @@ mod tests {
         }
     }
 
-    /// Whoever iterates as another is run after it, or there is nothing to compare with.
+    /// Whoever is the same as another is run after it, or there is nothing to compare with.
     #[test]
     fn models_come_before_their_likes() {
         let names: Vec<&str> = FOLDER.names().collect();
         for case in cases() {
-            let Some(model) = &case.verify.iterates_as else { continue };
+            let Some(SameAs { case: model, .. }) = &case.verify.same_as else { continue };
             let place = |name: &str| names.iter().position(|known| *known == name).unwrap();
             assert!(place(model) < place(case.name), "{}", case.name);
         }

@@ -41,9 +41,9 @@ pub(super) struct VerifySection {
     /// By how much a watch may miss its reference, % of the largest reference value; for parts on their own mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Another case that takes the same Newton iterations.
+    /// Another case that has the same answer in other units.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub iterates_as: Option<String>,
+    pub same_as: Option<SameAs>,
     /// Wall clock of both solvers on one core of 2025, s: a note for who waits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -55,6 +55,15 @@ pub(super) struct VerifySection {
     pub accept: Vec<Accepted>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reference: Vec<Reference>,
+}
+
+/// A case that differs in its units alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SameAs {
+    pub case: String,
+    /// How many times the values of its watches are one's own.
+    pub factor: f64,
 }
 
 /// How fine a mesh is.

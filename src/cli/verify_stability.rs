@@ -2,10 +2,12 @@
 //!
 //! A run fails when its path has an ending that the case does not allow, when a number is not finite, when it panics,
 //! when a watch misses its reference, and when the solvers differ: in the ending, in the load reached, or in a watch at a
-//! load where both have a state, by more than the case allows as a share of the watch's largest value.
+//! load where both have a state, by more than the case allows as a share of the watch's largest value. So does a case that differs
+//! from another in its units alone, where its states are others. Iterations are told, and decide nothing: the last bit may make one more.
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::rc::Rc;
 use std::time::Instant;
 
 use anyhow::ensure;
@@ -18,6 +20,7 @@ use super::shape::{Measured, Shape};
 use super::stability_case::{FOLDER, REFUSED, REJECTED, StabilityCase, Variant, case};
 use super::verify_compare::deviations;
 use super::verify_files::BuiltIn;
+use super::verify_section::SameAs;
 use super::watch_curve::WatchCurve;
 use crate::batch::{Executor, Next, Serial};
 use crate::io::{OutputFolder, csv};
@@ -60,7 +63,7 @@ struct Row {
     /// Largest distance of a watch from its reference, % of the largest reference value.
     error: Option<f64>,
     accepted: Option<f64>,
-    /// Largest distance from the first solver's run, as a share of the watch's largest value.
+    /// Largest distance from the first solver's run, or from the case that this one should be, as a share of the watch's largest value.
     disagreement: Option<f64>,
     verdict: &'static str,
     /// What is wrong, or what was said.
@@ -94,10 +97,10 @@ pub(super) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<(
     let folder = out.map(OutputFolder::create_new).transpose()?;
     say(&heading());
     let is_short = |case: &StabilityCase| case.verify.seconds.is_none_or(|s| s <= QUICK);
-    let mut rows = Vec::new();
+    let (mut rows, mut done) = (Vec::new(), Vec::new());
     for case in cases.iter().filter(|case| !selection.quick || is_short(case)) {
         for variant in case.variants() {
-            run_variant(case, variant, &solvers, &mut rows)?;
+            run_variant(case, variant, &solvers, &mut rows, &mut done)?;
             if let Some(folder) = &folder {
                 // After every run, so that an interrupted one leaves what it has found.
                 csv::write(&folder.file("stability.csv"), &rows)?;
@@ -121,24 +124,30 @@ pub(super) fn list() -> anyhow::Result<()> {
     Ok(())
 }
 
+/// What came of a case on a solver.
+type Done = (&'static str, Backend, Rc<Ran>);
+
 /// Runs one variant of a case on every solver, prints and adds its rows.
 fn run_variant(
     case: &StabilityCase,
     variant: Variant,
     solvers: &[Backend],
     rows: &mut Vec<Row>,
+    done: &mut Vec<Done>,
 ) -> anyhow::Result<()> {
     let first = rows.len();
-    let mut model: Option<Ran> = None;
+    let mut model: Option<Rc<Ran>> = None;
     for &solver in solvers {
         let ran = guarded(&|| ran(case, variant, solver));
         let mut row = judged(case, variant, solver, &ran);
         if let Some(model) = &model {
             compare_solvers(case, model, &ran, &mut row);
         }
-        compare_iterations(case, rows, &mut row);
+        compare_units(case, done, solver, &ran, &mut row);
         say(&line(&row));
         rows.push(row);
+        let ran = Rc::new(ran);
+        done.push((case.name, solver, Rc::clone(&ran)));
         model.get_or_insert(ran);
     }
     ensure!(rows.len() > first, "no solver is built in");
@@ -331,16 +340,32 @@ fn compare_solvers(case: &StabilityCase, model: &Ran, ran: &Ran, row: &mut Row) 
         row.note(false, format!("the other solver ends as {}", model.ending));
     }
     let (Some(a), Some(b)) = (&model.measured, &ran.measured) else { return };
-    let (difference, what) = disagreement(a, b, [model.reached, ran.reached]);
+    let (difference, what) = disagreement(a, b, [model.reached, ran.reached], 1.0);
     row.disagreement = Some(difference);
     if difference.partial_cmp(&case.verify.agreement).is_none_or(|order| order.is_gt()) {
         row.note(false, format!("the solvers differ by {difference:.1e} in {what}"));
     }
 }
 
+/// Notes where a run differs from that of the case which it should be in other units, if that was run.
+fn compare_units(case: &StabilityCase, done: &[Done], solver: Backend, ran: &Ran, row: &mut Row) {
+    let Some(SameAs { case: name, factor }) = &case.verify.same_as else { return };
+    let same = |(other, by, _): &&Done| other == name && *by == solver;
+    let Some((_, _, model)) = done.iter().find(same) else { return };
+    if model.ending != ran.ending {
+        row.note(false, format!("{name} ends as {}", model.ending));
+    }
+    let (Some(a), Some(b)) = (&model.measured, &ran.measured) else { return };
+    let (difference, what) = disagreement(a, b, [model.reached, ran.reached], *factor);
+    row.disagreement = Some(row.disagreement.map_or(difference, |other| other.max(difference)));
+    if difference.partial_cmp(&case.verify.agreement).is_none_or(|order| order.is_gt()) {
+        row.note(false, format!("it differs from {name} by {difference:.1e} in {what}"));
+    }
+}
+
 /// The largest difference of two runs, and in what: the share of the load reached, or a watch at loads where both have a
-/// state, as a share of its largest value.
-fn disagreement(a: &Measured, b: &Measured, reached: [f64; 2]) -> (f64, String) {
+/// state, as a share of its largest value; those of `a` are taken `factor` times.
+fn disagreement(a: &Measured, b: &Measured, reached: [f64; 2], factor: f64) -> (f64, String) {
     let scale = reached[0].abs().max(reached[1].abs());
     let load = if scale > 0.0 { (reached[0] - reached[1]).abs() / scale } else { 0.0 };
     let mut worst = (load, "the load reached".to_owned());
@@ -348,26 +373,15 @@ fn disagreement(a: &Measured, b: &Measured, reached: [f64; 2]) -> (f64, String) 
         let largest = a.points.iter().fold(0.0_f64, |largest, p| largest.max(p.value.abs()));
         for p in &a.points {
             let same = b.points.iter().find(|q| (p.load - q.load).abs() <= 1e-9);
-            let Some(q) = same.filter(|q| q.value != p.value) else { continue };
-            let difference = (p.value - q.value).abs() / largest;
+            let value = factor * p.value;
+            let Some(q) = same.filter(|q| q.value != value) else { continue };
+            let difference = (value - q.value).abs() / (factor * largest);
             if difference.partial_cmp(&worst.0).is_none_or(|order| order.is_gt()) {
                 worst = (difference, format!("watch {} at load {:.4}", k + 1, p.load));
             }
         }
     }
     worst
-}
-
-/// Notes where a run takes other iterations than the case that it should iterate as, if that was run.
-fn compare_iterations(case: &StabilityCase, rows: &[Row], row: &mut Row) {
-    let Some(model) = &case.verify.iterates_as else { return };
-    let same = |other: &&Row| other.case == model && other.solver == row.solver;
-    if let Some(other) = rows.iter().find(same)
-        && other.newton_iterations != row.newton_iterations
-    {
-        let (own, other) = (row.newton_iterations, other.newton_iterations);
-        row.note(false, format!("{own} iterations, but {model} takes {other}"));
-    }
 }
 
 const OK: &str = "ok";
@@ -418,157 +432,4 @@ fn line(row: &Row) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::cli::watch_curve::CurvePoint;
-    use crate::solve::{Ending, Path as Walked, PathPoint};
-
-    /// A path of three states with one watch, whose last value is `value`.
-    fn measured(value: f64) -> Measured {
-        let state = |k: usize| PathPoint { load: k as f64, ..PathPoint::at_rest(k as f64, 2) };
-        let shown = |k: usize| CurvePoint {
-            load: 0.5 * k as f64,
-            value: if k == 2 { value } else { k as f64 },
-            rate: 1.0,
-        };
-        let walked = Walked {
-            points: (0..3).map(state).collect(),
-            ending: Ending::Reached,
-            place: None,
-            fell: false,
-            newton_iterations: 0,
-        };
-        Measured {
-            walked,
-            unknowns: 2,
-            cpu_seconds: 0.0,
-            curves: vec![WatchCurve { points: (0..3).map(shown).collect() }],
-            limit_load: None,
-        }
-    }
-
-    fn ran(value: f64) -> Ran {
-        Ran {
-            ending: "reached".to_owned(),
-            message: None,
-            reached: 1.0,
-            measured: Some(measured(value)),
-            wall_seconds: 0.0,
-        }
-    }
-
-    fn plate() -> (StabilityCase, Variant) {
-        let case = case("plate_in_um").unwrap();
-        let variant = case.variants()[0];
-        (case, variant)
-    }
-
-    #[test]
-    fn an_ending_that_is_not_allowed_fails() {
-        let (mut case, variant) = plate();
-        let row = judged(&case, variant, Backend::Native, &ran(2.0));
-        assert_eq!((row.verdict, row.remark.as_str(), row.load), (OK, "", 1.0));
-        case.verify.endings = vec!["limit_point".to_owned(), "ballooning".to_owned()];
-        let row = judged(&case, variant, Backend::Native, &ran(2.0));
-        assert_eq!((row.verdict, row.ending.as_str()), (FAILED, "reached"));
-        assert_eq!(row.remark, "reached, not limit_point or ballooning");
-        case.verify.endings = vec!["reached".to_owned()];
-        case.verify.snaps = Some([1, 2]);
-        let row = judged(&case, variant, Backend::Native, &ran(2.0));
-        assert_eq!((row.verdict, row.remark.as_str()), (FAILED, "0 snaps, not 1 to 2"));
-        case.verify.snaps = None;
-        case.verify.ends_between = Some([0.3, 0.4]);
-        let row = judged(&case, variant, Backend::Native, &ran(2.0));
-        assert_eq!(row.remark, "it ends at load 1.0000, not 0.3 to 0.4");
-    }
-
-    #[test]
-    fn what_is_said_must_be_what_is_expected() {
-        let (mut case, variant) = plate();
-        case.verify.endings = vec![REFUSED.to_owned()];
-        case.verify.says = Some("too near".to_owned());
-        let refused = |message: &str| Ran {
-            ending: REFUSED.to_owned(),
-            message: Some(message.to_owned()),
-            reached: 0.0,
-            measured: None,
-            wall_seconds: 0.0,
-        };
-        let verdict = |ran: &Ran| judged(&case, variant, Backend::Native, ran).verdict;
-        assert_eq!(verdict(&refused("the plane is too near")), OK);
-        assert_eq!(verdict(&refused("unknown key")), FAILED);
-    }
-
-    #[test]
-    fn a_number_that_is_none_fails_wherever_it_stands() {
-        assert_eq!(not_finite(&measured(2.0)), None);
-        assert_eq!(not_finite(&measured(f64::NAN)).unwrap(), "watch 0 is not finite");
-        let mut broken = measured(2.0);
-        broken.walked.points[1].rate[1] = f64::INFINITY;
-        assert_eq!(not_finite(&broken).unwrap(), "state 1 holds a number that is not finite");
-        let (case, variant) = plate();
-        let ran = Ran { measured: Some(broken), ..ran(2.0) };
-        assert_eq!(judged(&case, variant, Backend::Native, &ran).verdict, FAILED);
-    }
-
-    #[test]
-    fn a_panic_is_a_failure_of_its_run() {
-        let ran = guarded(&|| panic!("index out of bounds"));
-        assert_eq!(ran.ending, "panicked");
-        let (case, variant) = plate();
-        let row = judged(&case, variant, Backend::Native, &ran);
-        assert_eq!((row.verdict, row.remark.as_str()), (FAILED, "index out of bounds"));
-    }
-
-    #[test]
-    fn solvers_are_compared_where_both_have_a_state() {
-        // 0.002 of 2 at the last of three states; 0.25 of the programme.
-        let (difference, what) = disagreement(&measured(2.0), &measured(2.002), [1.0, 1.0]);
-        assert!((difference - 1e-3).abs() < 1e-12 && what == "watch 1 at load 1.0000", "{what}");
-        let (difference, what) = disagreement(&measured(2.0), &measured(2.002), [1.0, 0.75]);
-        assert!((difference - 0.25).abs() < 1e-12 && what == "the load reached", "{what}");
-        assert!(disagreement(&measured(2.0), &measured(f64::NAN), [1.0; 2]).0.is_nan());
-
-        let (case, variant) = plate();
-        let compared = |other: &Ran| {
-            let mut row = judged(&case, variant, Backend::Petsc, other);
-            compare_solvers(&case, &ran(2.0), other, &mut row);
-            row.verdict
-        };
-        // The case allows 1e-6.
-        assert_eq!(
-            [2.0, 2.000_001, 2.00001, f64::NAN].map(|v| compared(&ran(v))),
-            [OK, OK, FAILED, FAILED]
-        );
-        assert_eq!(compared(&Ran { ending: "stalled".to_owned(), ..ran(2.0) }), FAILED);
-    }
-
-    #[test]
-    fn iterations_are_compared_with_the_model() {
-        let (case, variant) = plate();
-        let mut row = judged(&case, variant, Backend::Native, &ran(2.0));
-        let mut model = Row { case: "plate_in_mm", ..row.clone() };
-        compare_iterations(&case, &[model.clone()], &mut row);
-        assert_eq!(row.verdict, OK);
-        model.newton_iterations = 3;
-        compare_iterations(&case, &[model.clone()], &mut row);
-        assert_eq!(row.remark, "0 iterations, but plate_in_mm takes 3");
-        // The other solver's are its own.
-        let mut row = judged(&case, variant, Backend::Petsc, &ran(2.0));
-        compare_iterations(&case, &[model], &mut row);
-        assert_eq!(row.verdict, OK);
-    }
-
-    #[test]
-    fn columns_stand_below_their_heads() {
-        let (case, variant) = plate();
-        let mut row = judged(&case, variant, Backend::Native, &ran(2.0));
-        (row.newton_iterations, row.error) = (1234, Some(0.125));
-        let (head, line) = (heading(), line(&row));
-        for (name, cell) in [("load", "1.0000"), ("Newton", "1234"), ("err%", "0.125")] {
-            let end = |text: &str, part: &str| text.find(part).unwrap() + part.len();
-            assert_eq!(end(&head, name), end(&line, cell), "{name}");
-        }
-        assert_eq!(head.find("verdict"), line.find(OK));
-    }
-}
+mod tests;

@@ -48,7 +48,7 @@ pub type EdgeSupports = [EdgeSupport; 4];
 
 impl EdgeSupport {
     /// Components of the displacement that vanish along the side.
-    fn held(self) -> [bool; 3] {
+    pub(super) fn held(self) -> [bool; 3] {
         match self {
             Self::Free => [false; 3],
             Self::Clamped => [true; 3],

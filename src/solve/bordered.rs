@@ -70,7 +70,7 @@ pub(super) fn solve(
     loop {
         report.residual_norm = dot(&residual, &residual).sqrt();
         let gap = constraint.value(system, x, *load);
-        if report.residual_norm <= threshold && gap.abs() <= GAP * constraint.scale() {
+        if report.residual_norm <= threshold && gap.abs() <= constraint.tolerance() {
             report.ending = NewtonEnding::Converged;
             return Ok(report);
         }
@@ -149,8 +149,9 @@ pub(super) fn solve(
     }
 }
 
-/// The constraint is met to this share of its scale.
+/// The constraint is met to this share of its scale, or to as many roundings of its drive.
 const GAP: f64 = 1e-10;
+const ROUNDINGS: f64 = 64.0;
 
 impl Constraint<'_> {
     fn value(&self, system: &dyn LoadedSystem, x: &[f64], load: f64) -> f64 {
@@ -165,10 +166,13 @@ impl Constraint<'_> {
         }
     }
 
-    fn scale(&self) -> f64 {
+    /// How well it is to be met.
+    fn tolerance(&self) -> f64 {
         match self {
-            Self::Supplied { scale, .. } => *scale,
-            Self::Arc { length, .. } => *length,
+            Self::Supplied { drive, scale, .. } => {
+                (GAP * scale).max(ROUNDINGS * f64::EPSILON * drive.abs())
+            }
+            Self::Arc { length, .. } => GAP * length,
         }
     }
 

@@ -11,7 +11,7 @@
 
 use super::bordered::{self, Constraint, Metric};
 use super::ending::Ending;
-use super::hermite::{cubic_step, tangent_step, work_between};
+use super::hermite::{cubic_step, tangent_step};
 use super::path::PathPoint;
 use super::supply::Supply;
 use super::walk::{State, Walk, best_prediction};
@@ -158,7 +158,7 @@ impl Arc {
             .product((&point.rate, point.load_rate), (&self.last.rate, self.last.load_rate));
         point.drive = self.last.drive + self.step;
         point.on_arc = true;
-        point.work = walk.last().work + work_between(walk.last(), &point);
+        walk.account(&mut point);
         Ok((cosine > SHARPEST).then_some(point))
     }
 
@@ -184,7 +184,7 @@ impl Arc {
             return Ok(Ending::Stalled);
         };
         point.is_sample = true;
-        point.work = walk.last().work + work_between(walk.last(), &point);
+        walk.account(&mut point);
         walk.accept(point);
         Ok(Ending::Reached)
     }

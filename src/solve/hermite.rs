@@ -42,6 +42,14 @@ pub(super) fn work_between(a: &PathPoint, b: &PathPoint) -> f64 {
         .sum()
 }
 
+/// `int load dC` between two states, the load a cubic of the conjugate `C`.
+pub(super) fn work_by_conjugate(a: &PathPoint, b: &PathPoint) -> f64 {
+    let rise = b.conjugate - a.conjugate;
+    let stiffness = |point: &PathPoint| point.load_rate / point.conjugate_rate;
+    // The integral of Hermite's cubic.
+    rise * (0.5 * (a.load + b.load) + rise / 12.0 * (stiffness(a) - stiffness(b)))
+}
+
 /// `int load dC` of a jump from one state to another.
 pub(super) fn work_at_once(a: &PathPoint, b: &PathPoint) -> f64 {
     0.5 * (a.load + b.load) * (b.conjugate - a.conjugate)

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::bordered::dot;
 use super::damped::Damped;
 use super::ending::Ending;
-use super::hermite::work_at_once;
+use super::hermite::{work_at_once, work_by_conjugate};
 use super::path::PathPoint;
 use super::shift::mean_diagonal;
 use super::walk::{State, Walk};
@@ -52,9 +52,11 @@ impl Walk<'_> {
             Ok(point) => point,
             Err(ending) => return Ok(Err(ending)),
         };
-        let last = self.last();
-        let stored = point.stored_energy - last.stored_energy;
-        if from_bifurcation || !self.resolves(&point) {
+        let stored = point.stored_energy - self.last().stored_energy;
+        if !from_bifurcation && !self.resolves(&point) && self.stiffens(&point) {
+            point.work = self.last().work + work_by_conjugate(self.last(), &point);
+        } else if from_bifurcation || !self.resolves(&point) {
+            let last = self.last();
             point.work = last.work + work_at_once(last, &point);
             let released = point.work - last.work - stored;
             point.snap = Some(Snap { released, from_bifurcation });

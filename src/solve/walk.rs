@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::bordered::{self, Constraint};
 use super::ending::Ending;
-use super::hermite::{cubic_step, tangent_step, work_between};
+use super::hermite::{cubic_step, tangent_step, work_between, work_by_conjugate};
 use super::krylov::solve_unsymmetric;
 use super::path::{PathPoint, PathSettings};
 use super::stop::Stop;
@@ -121,7 +121,12 @@ impl Walk<'_> {
             let smallest = if starts { START * shortest } else { shortest };
             let from = self.last().drive;
             let left = target - from;
+            // What is added to the drive must change it.
+            let resolution = RESOLVED * f64::EPSILON * from.abs().max(target.abs());
             let mut step = if self.step.abs() < largest.abs() { self.step } else { largest };
+            if step.abs() < resolution {
+                step = resolution.min(left.abs()).copysign(left);
+            }
             // One step where it is nearly as long, and two equal ones rather than a long and a tiny one.
             if (left / step) < LENIENT {
                 step = left;
@@ -130,7 +135,7 @@ impl Walk<'_> {
             }
             let drive = if step == left { target } else { from + step };
             let halved = 0.5 * step;
-            let may_halve = halved / smallest >= 1.0 - 1e-9;
+            let may_halve = halved / smallest >= 1.0 - 1e-9 && halved.abs() >= resolution;
             // The smallest step is to follow its own branch: what was found ahead may lie on another.
             let guess = self.prediction(drive, may_halve);
             let predicted = guess.clone();
@@ -140,6 +145,15 @@ impl Walk<'_> {
                 // At the smallest step only a tangent that was indefinite on the way tells a jump from a stiff start.
                 Ok(mut point) if self.resolves(&point) || (!may_halve && self.shifted == 0) => {
                     self.step = step * self.growth(&point, &predicted);
+                    point.is_sample = drive == target;
+                    self.accept(point);
+                    if drive == target {
+                        return Ok(None);
+                    }
+                }
+                Ok(mut point) if !may_halve && self.stiffens(&point) => {
+                    self.step = step * self.growth(&point, &predicted);
+                    point.work = self.last().work + work_by_conjugate(self.last(), &point);
                     point.is_sample = drive == target;
                     self.accept(point);
                     if drive == target {
@@ -242,8 +256,61 @@ impl Walk<'_> {
         let stored = point.stored_energy - last.stored_energy;
         let work = point.work - last.work;
         let scale = point.work.abs().max(last.work.abs());
-        let tolerance = self.settings.work_tolerance * scale + self.system.energy_rounding();
+        let tolerance = self.settings.work_tolerance * scale + self.rounding(point);
         stored - work <= tolerance && (work - stored <= tolerance || self.system.dissipates())
+    }
+
+    /// What rounding makes of the energy at `point`, mJ: of the wall's, and of the load's, which cancels against its work.
+    fn rounding(&self, point: &PathPoint) -> f64 {
+        let of_load = 4.0 * f64::EPSILON * (point.load * point.conjugate).abs();
+        self.system.energy_rounding() + of_load
+    }
+
+    /// Whether the step to `point`, near rest, is that of a part which stiffens, as a flat membrane does.
+    ///
+    /// Under a load `p` a flat membrane bulges by `p^(1/3)`, which no polynomial of the load follows; but the load is nearly one of
+    /// the conjugate `C`, `k C + c C^3`. A part that jumps gives off energy however its work is counted.
+    pub(super) fn stiffens(&self, point: &PathPoint) -> bool {
+        let (last, start) = (self.last(), &self.points[0]);
+        let shortest =
+            self.span / self.settings.steps as f64 * 0.5_f64.powi(self.settings.halvings as i32);
+        let work = work_by_conjugate(last, point);
+        let missing = work - (point.stored_energy - last.stored_energy);
+        self.system.is_conservative()
+            && (last.drive - start.drive).abs() < shortest.abs()
+            && missing.abs() <= STIFFENING * work.abs()
+    }
+
+    /// Adds the work done since the last point, and makes the energy exact where it is too small to be a difference.
+    ///
+    /// The energy of a wall that hardly moves drowns in the rounding of its strains. Then both energy and work are the work of the
+    /// forces, by the trapezoidal rule.
+    pub(super) fn account(&self, point: &mut PathPoint) {
+        let rounding = self.rounding(point);
+        let Some(last) = self.points.last() else {
+            if point.stored_energy.abs() <= rounding {
+                point.stored_energy = 0.0;
+            }
+            return;
+        };
+        let stored = point.stored_energy - last.stored_energy;
+        let mut work = work_between(last, point);
+        if stored.abs() <= rounding && work.abs() <= rounding && self.system.is_conservative() {
+            work = self.work_of_forces(last, point);
+            point.stored_energy = last.stored_energy + work;
+        }
+        point.work = last.work + work;
+    }
+
+    /// `1/2 (f_a + f_b) . (x_b - x_a)` with the forces `f` of the load.
+    fn work_of_forces(&self, a: &PathPoint, b: &PathPoint) -> f64 {
+        let moved: Vec<f64> = b.x.iter().zip(&a.x).map(|(b, a)| b - a).collect();
+        let mut direction = vec![0.0; moved.len()];
+        let mut along = |point: &PathPoint| {
+            self.system.load_direction(&point.x, &mut direction);
+            point.load * bordered::dot(&direction, &moved)
+        };
+        0.5 * (along(a) + along(b))
     }
 
     /// The stable equilibrium near `guess` at `drive`, over `most_shifted` indefinite tangents at most.
@@ -320,9 +387,7 @@ impl Walk<'_> {
         if self.supply != Supply::Load {
             self.turn_to_supply(&mut point);
         }
-        if let Some(last) = self.points.last() {
-            point.work = last.work + work_between(last, &point);
-        }
+        self.account(&mut point);
         Ok(Ok(point))
     }
 
@@ -429,6 +494,10 @@ const LENIENT: f64 = 1.25;
 const NEAR: f64 = 0.2;
 /// The smallest step from rest, as a share of the smallest later.
 const START: f64 = 1e-3;
+/// How far the energy stored by a part that stiffens from rest may be from its work, as a share of it: 3e-4 of a flat membrane.
+const STIFFENING: f64 = 0.01;
+/// The least step of a drive, in roundings of its value.
+const RESOLVED: f64 = 16.0;
 /// How much further the next fall is tried, and the furthest after which none is.
 const FURTHER: f64 = 4.0;
 const FURTHEST: f64 = 15.0;

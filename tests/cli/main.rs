@@ -4,6 +4,7 @@
 mod decks;
 mod evolve;
 mod export;
+mod extremes;
 mod hostile_files;
 mod interrupted;
 mod mesh_and_report;

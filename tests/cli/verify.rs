@@ -102,9 +102,17 @@ fn hard_cases_leave_a_table() {
     assert!(lines[1..=runs].iter().all(|line| line.ends_with(" ok") && line.contains(" reached ")));
     assert_eq!(lines[runs + 1], format!("{runs} of {runs} runs as expected"));
     let iterations = workshop.column("out/stability.csv", "newton_iterations");
-    // Both sizes on one solver, or on two.
+    // Both sizes on one solver, or on two; the last bit of a processor may make one iteration more.
     assert!(iterations.len() == runs && (runs == 2 || runs == 4), "{out}");
-    assert!(iterations.iter().all(|n| *n > 5.0 && *n == iterations[0]), "{iterations:?}");
+    assert!(iterations.iter().all(|n| *n > 5.0), "{iterations:?}");
+    // The second size is compared with the first: the same states to the 1e-6 that the case allows.
+    let table = workshop.read("out/stability.csv");
+    let place = table.lines().next().unwrap().split(',').position(|name| name == "disagreement");
+    let of_small = table.lines().filter(|line| line.starts_with("plate_in_um"));
+    let differences: Vec<f64> = of_small
+        .map(|line| line.split(',').nth(place.unwrap()).unwrap().parse().unwrap())
+        .collect();
+    assert!(differences.len() == runs / 2 && differences.iter().all(|d| *d < 1e-6), "{table}");
     assert!(workshop.column("out/stability.csv", "load").iter().all(|load| *load == 1.0));
 
     let near = ["there is no case `plate_in_inches`; the nearest is `plate_in_"];
