@@ -66,13 +66,19 @@ fn intersect(mesh: &TriangleMesh, s: u32, t: u32) -> bool {
 /// Whether the segment crosses the interior of the triangle.
 fn passes_through([p, q]: [Vec3; 2], [a, b, c]: [Vec3; 3]) -> bool {
     let volume = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| (b - a).cross(&(c - a)).dot(&(d - a));
-    if volume(a, b, c, p) * volume(a, b, c, q) >= 0.0 {
+    let ends = [volume(a, b, c, p), volume(a, b, c, q)];
+    if ends[0] * ends[1] >= 0.0 {
         return false;
     }
     let sides = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
-    sides.iter().all(|&v| v > 0.0) || sides.iter().all(|&v| v < 0.0)
+    let crosses = sides.iter().all(|&v| v > 0.0) || sides.iter().all(|&v| v < 0.0);
+    // In an oblique plane all five volumes are rounding, and any of their signs are met.
+    let size = (b - a).norm() * (c - a).norm() * (p - a).norm().max((q - a).norm());
+    crosses && ends.iter().any(|v| v.abs() > ROUNDING * size)
 }
 
+/// Of the volume of four points, over the product of three sides; positions are some hundred sides from the origin.
+const ROUNDING: f64 = 1e-12;
 /// Cells along the longest side of the box, at most.
 const MOST_CELLS: f64 = 128.0;
 
