@@ -90,7 +90,7 @@ impl RawSolid {
             .map_err(|defect| defect.to_string())?;
         if marked.len() != mesh.chamber.len() {
             return Err(format!(
-                "{} of the {} triangles marked as the chamber are not on the boundary of the tetrahedra",
+                "{} of the {} triangles marked as the chamber are not on the boundary of the tetrahedra; the air before them must have none",
                 marked.len() - mesh.chamber.len(),
                 marked.len()
             ));

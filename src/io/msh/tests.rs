@@ -110,13 +110,20 @@ fn a_linear_tetrahedron_gets_midpoints() {
     assert!(solid.positions.contains(&Vec3::new(0.5, 0.5, 0.0)));
 }
 
-/// Without groups the inner surface is the chamber; a group named otherwise than number 2 is found by name.
+/// Without groups the inner surface is the chamber; a group is found by its name, whatever its number.
 #[test]
 fn the_chamber_is_found() {
     let wall = spheres(10.0, 8.0, 1);
     let full = text(&SolidMesh::straight(&of_prisms(&wall)));
     let without_groups = full.replace(" 2 2 2 ", " 2 0 2 ").replace(" 2 3 3 ", " 2 0 3 ");
-    check(&straight(&read_text(&without_groups).unwrap()), &wall).unwrap();
+    // A name without triangles is a mistake.
+    let named = read_text(&without_groups).unwrap_err();
+    assert_eq!(
+        named,
+        "the group \"chamber\" (2) has no triangles; the file has no group with triangles"
+    );
+    let without_names = without_groups.replace("2 2 \"chamber\"", "2 2 \"cavity\"");
+    check(&straight(&read_text(&without_names).unwrap()), &wall).unwrap();
     let renamed = full
         .replace("2 2 \"chamber\"", "2 3 \"Chamber\"")
         .replace("2 3 \"outer\"", "2 2 \"outer\"");
@@ -170,7 +177,7 @@ fn what_is_no_wall_is_told_in_one_line() {
     };
     assert_eq!(
         what(&marked("2\n1 2 2 2 1 10 20 50\n2 4 2 1 1 10 20 30 40")),
-        "1 of the 1 triangles marked as the chamber are not on the boundary of the tetrahedra"
+        "1 of the 1 triangles marked as the chamber are not on the boundary of the tetrahedra; the air before them must have none"
     );
     assert_eq!(
         what(&marked("2\n1 2 2 2 1 10 20 30\n2 4 2 1 1 10 20 30 40")),

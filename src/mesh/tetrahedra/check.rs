@@ -132,14 +132,14 @@ mod tests {
             found(&|mesh| mesh.outer.push(mesh.outer[0])),
             TetDefect::WrongBoundary { faces: 1 }
         );
-        // Without one tetrahedron a vertex of the chamber is on the outside, which is pinched there.
+        // Without one tetrahedron the outside has a dent down to a vertex of the chamber, which is closed still.
         let dent = |mesh: &mut TetMesh| {
             mesh.tetrahedra.pop();
             *mesh =
                 TetMesh::of_tetrahedra(&mesh.positions, &mesh.tetrahedra, |_| false).unwrap().mesh;
             *mesh = mesh.clone().with_chamber_found();
         };
-        assert!(matches!(found(&dent), TetDefect::Outer(_)));
+        assert!(matches!(found(&dent), TetDefect::OtherVolume { surface: "outside", .. }));
         // Its mirror image in one of its faces lies on top of the neighbour there.
         let folded = |mesh: &mut TetMesh| {
             let [apex, b, c, d] = mesh.corners(0);
