@@ -29,7 +29,7 @@ pub(super) struct Group {
 
 /// A physical group as a user calls it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "the name of a physical group, or its number")]
+#[serde(untagged, expecting = "chamber must be the name of a physical group, or its number")]
 pub enum GroupKey {
     /// Its number.
     Number(i64),

@@ -157,7 +157,7 @@ fn growth(summary: &serde_json::Value) -> f64 {
     summary["watches"][0]["value"].as_f64().unwrap()
 }
 
-/// One body, whatever its groups are called and numbered, inflates as that without any: bit for bit. A group with number 2 is like others.
+/// One body, whatever its groups are called and numbered, inflates as that without any. A group with number 2 is like others.
 #[test]
 fn the_chamber_is_the_group_that_is_named() {
     let body = Body::hollow();
@@ -191,7 +191,8 @@ fn the_chamber_is_the_group_that_is_named() {
     for (text, keys, group) in cases {
         let (found, _, _) = simulated(&text, keys);
         assert_eq!(found["chamber"]["group"].as_str().unwrap_or("none"), group);
-        assert_eq!(growth(&found), growth(&summary), "{keys} {group}");
+        // The same sums in another order of the faces.
+        assert!((growth(&found) / growth(&summary) - 1.0).abs() < 1e-12, "{keys} {group}");
     }
 }
 
@@ -304,7 +305,7 @@ fn an_inlet_is_closed_when_asked() {
         "{with_lid} {with_floor}"
     );
 
-    // A rim that is not flat.
+    // A square rim with one corner raised by 0.5 mm: a quarter of it is no tilt of a plane.
     let lines: Vec<String> = text
         .lines()
         .map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
@@ -313,5 +314,5 @@ fn an_inlet_is_closed_when_asked() {
         })
         .collect();
     let bent = refused(&(lines.join("\n") + "\n"), "chamber = \"hole\"\nclose_inlet = true");
-    assert!(bent.contains("is not flat: its rim of 7.071 mm across leaves its plane by"), "{bent}");
+    assert!(bent.contains("mm across leaves its plane by 0.125 mm"), "{bent}");
 }
