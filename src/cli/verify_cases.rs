@@ -58,7 +58,7 @@ const CURVE_FILES: [(&str, &str); 11] = files!["curves":
     "follower_pressure",
 ];
 
-const SHELL_FILES: [(&str, &str); 29] = files!["shells":
+const SHELL_FILES: [(&str, &str); 32] = files!["shells":
     "scordelis_lo",
     "pinched_cylinder",
     "pinched_cylinder_free",
@@ -69,6 +69,8 @@ const SHELL_FILES: [(&str, &str); 29] = files!["shells":
     "twisted_beam_thick_out_of_plane",
     "twisted_beam_thin_in_plane",
     "twisted_beam_thin_out_of_plane",
+    "twisted_plate",
+    "raasch_hook",
     "hypar_100",
     "hypar_1000",
     "hypar_10000",
@@ -79,6 +81,7 @@ const SHELL_FILES: [(&str, &str); 29] = files!["shells":
     "hemisphere_hole_large",
     "open_cylinder_pulled",
     "pinched_cylinder_large",
+    "pinched_semi_cylinder",
     "hinged_roof_thick",
     "hinged_roof_thin",
     "balloon_thin",

@@ -145,8 +145,10 @@ pub(super) fn supports_of_control_points(
 
 /// The supports of a patch of flat triangles, and its nodes at rest, mm.
 ///
-/// A node beyond an edge only carries the normal across it: that of the triangle itself, turned by nothing at a free
-/// or hinged edge, mirrored at a symmetry or a clamp.
+/// A node beyond an edge only carries the normal across it: mirrored at a symmetry or a clamp; at a free or hinged edge the mean of
+/// the slopes from both its ends, so that what lies beyond continues the slope that the triangle itself does not touch. With the
+/// normal of the triangle alone, which is that at one end, a twist would bend the cells beside the edge: a strip of cells of `ds x dt`
+/// along an edge would be too stiff by the share `0.7 ds^2 / (dt b)` of its width `b`.
 ///
 /// # Errors
 /// As [`supports_of_control_points`].
@@ -182,8 +184,16 @@ pub(super) fn supports_of_facets(
         let (position, follows) = match image {
             Some(t) => (xa + t * (xc - xa), vec![(apex, t)]),
             None => {
+                // The end across from which the apex is not, and the vertex across from that end.
+                let [pa, pb, pc] = [a, b, apex].map(|v| places[v as usize]);
+                let step = |from: Place| [pc[0] - from[0], pc[1] - from[1]];
+                let is_across = |[i, j]: Place| i == 0 || j == 0;
+                let (end, [i, j], [di, dj]) =
+                    if is_across(step(pb)) { (a, pa, step(pb)) } else { (b, pb, step(pa)) };
+                let inside = patch.node([i + di, j + dj]);
                 let one = Matrix3::identity();
-                (xa + xb - xc, vec![(a, one), (b, one), (apex, -one)])
+                let [end_at, inside_at] = [end, inside].map(|v| reference[v as usize]);
+                (2.0 * end_at - inside_at, vec![(end, 2.0 * one), (inside, -one)])
             }
         };
         reference[beyond as usize] = position;

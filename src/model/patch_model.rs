@@ -133,7 +133,7 @@ impl PartModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::material::NeoHookean;
+    use crate::model::material::{NeoHookean, StVenantKirchhoff};
     use crate::model::system::System;
     use crate::model::test_shells::difference;
 
@@ -165,6 +165,35 @@ mod tests {
             // At rest the wall has no stress: what is out of balance is the load.
             for (residual, direction) in residual.iter().zip(&direction) {
                 assert!((residual + direction).abs() < 1e-9 * scale, "{residual} {direction}");
+            }
+        }
+    }
+
+    /// A free plate twisted by `w = k s t` stores `D (1 - nu) k^2` for each area, whatever the shape of its cells, with both elements
+    /// and to its very edges (Timoshenko & Woinowsky-Krieger 1959, section 11).
+    #[test]
+    fn twisted_plate_has_the_energy_of_its_twist() {
+        let law = StVenantKirchhoff { young_modulus: 1000.0, poisson_ratio: 0.3 };
+        let (thickness, twist): (f64, f64) = (0.1, 1e-5);
+        let stiffness = 1000.0 * thickness.powi(3) / (12.0 * (1.0 - 0.09));
+        let exact = stiffness * 0.7 * twist * twist * 6.0 * 2.0;
+        for cells in [[2, 8], [4, 4], [12, 1]] {
+            let plate = |s: f64, t: f64| Vec3::new(s, t, 0.0);
+            let patch = Patch::new(cells, [0.0, 6.0], [0.0, 2.0], thickness, &plate).unwrap();
+            for element in ELEMENTS {
+                let material = Material::StVenantKirchhoff(law);
+                let loads = PatchLoads::default();
+                let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
+                let mut u = vec![0.0; model.unknowns()];
+                for (node, &place) in patch.node_places().iter().enumerate() {
+                    if element == ShellElement::Loop || node < patch.vertices() {
+                        let x = patch.point(place);
+                        u[3 * node + 2] = twist * x.x * x.y;
+                    }
+                }
+                let energy = model.energy(&u).unwrap();
+                // Strains of the middle of (k s)^2 over those of k t / 2 beside its faces, squared.
+                assert!((energy / exact - 1.0).abs() < 1e-4, "{element:?} {cells:?}: {energy:e}");
             }
         }
     }
