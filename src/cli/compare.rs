@@ -4,6 +4,9 @@
 //! difference   |tip_ours - tip_theirs| / |tip_ours|        at each sample of the pressure
 //! of nodes     max_i |u_ours_i - u_theirs_i|               at the last one, where solid.frd has it
 //! ```
+//!
+//! Its cells lock where the material hardly changes its volume; how much of the difference that makes is said beside it
+//! ([`calculix::locking`]). A sample without a base, or without its answer, has no difference.
 
 use std::path::Path;
 
@@ -21,6 +24,8 @@ struct Case {
     design: String,
     /// MPa.
     pressure: f64,
+    /// None in a folder written before it was recorded.
+    poisson_ratio: Option<f64>,
 }
 
 /// Both answers of one case.
@@ -28,8 +33,12 @@ struct Case {
 struct Comparison {
     design: String,
     samples: Vec<Sample>,
-    /// The largest difference of a sample, as a share.
-    largest_difference: f64,
+    /// The largest difference of a sample, as a share; none where none could be compared.
+    largest_difference: Option<f64>,
+    /// None in a folder written before it was recorded.
+    poisson_ratio: Option<f64>,
+    /// By how much its tip is known to move less than ours because its cells lock: from, to, as shares.
+    expected_locking: Option<[f64; 2]>,
     /// None where there is no `solid.frd`, or it ends before the largest pressure.
     nodes: Option<NodalDifference>,
 }
@@ -41,9 +50,10 @@ struct Sample {
     pressure: f64,
     /// mm.
     tip: [f64; 3],
-    tip_calculix: [f64; 3],
-    /// As a share.
-    difference: f64,
+    /// None where it has no answer.
+    tip_calculix: Option<[f64; 3]>,
+    /// As a share; none where it has no answer, or either is no number, or ours does not move.
+    difference: Option<f64>,
 }
 
 /// The node at which the answers differ most, under the largest pressure.
@@ -53,8 +63,8 @@ struct NodalDifference {
     node: u32,
     /// mm.
     difference: f64,
-    /// Of our largest displacement.
-    share: f64,
+    /// Of our largest displacement; none where nothing moves.
+    share: Option<f64>,
 }
 
 /// How near a time or pressure must be to the one that was asked for: a table has seven digits.
@@ -79,40 +89,63 @@ pub(super) fn run(path: &Path, json: bool) -> anyhow::Result<()> {
         path.display()
     );
     let tips = calculix::read_tip(&answer)?;
-    let reached = tips.last().map_or(0.0, |tip| tip.time);
-    let samples: Vec<Sample> = rows.iter().filter_map(|row| sample(row, &tips, &case)).collect();
-    let is_complete = reached > 1.0 - SAME && samples.len() + 1 == rows.len();
+    let samples: Vec<Sample> =
+        rows.iter().filter(|row| row.step > 0).map(|row| sample(row, &tips, &case)).collect();
+    let is_complete = samples.last().is_some_and(|last| last.tip_calculix.is_some());
+    let differences = || samples.iter().filter_map(|sample| sample.difference);
     let comparison = Comparison {
         design: case.design,
-        largest_difference: samples.iter().map(|sample| sample.difference).fold(0.0, f64::max),
+        largest_difference: differences().reduce(f64::max),
+        poisson_ratio: case.poisson_ratio,
+        expected_locking: case.poisson_ratio.map(calculix::locking),
         nodes: if is_complete { nodal_difference(path)? } else { None },
         samples,
     };
-    if !comparison.samples.is_empty() {
+    let answered = comparison.samples.iter().filter(|sample| sample.tip_calculix.is_some());
+    let reached = answered.map(|sample| sample.pressure).next_back();
+    if json || reached.is_some() {
         say(&if json { serde_json::to_string_pretty(&comparison)? } else { comparison.in_words() });
     }
+    let reached = reached.unwrap_or(0.0);
     ensure!(
         is_complete,
-        "{} ends at {:.4} of {:.4} MPa: CalculiX gave up, solid.sta tells where; `pneumorph deck` with a smaller --pressure may pass",
+        "{} ends at {reached:.4} of {:.4} MPa: {}",
         answer.display(),
-        reached * case.pressure,
-        case.pressure
+        case.pressure,
+        why_it_ends(&file("solid.frd"))?
+    );
+    let missing = comparison.samples.iter().filter(|sample| sample.difference.is_none()).count();
+    ensure!(
+        missing == 0,
+        "{missing} of {} samples cannot be compared: a tip that does not move, or one that is no number",
+        comparison.samples.len()
     );
     Ok(())
 }
 
-/// Ours and theirs at the pressure of `row`; none at rest, and where theirs is missing.
-fn sample(row: &TipRow, tips: &[calculix::TipAnswer], case: &Case) -> Option<Sample> {
+/// A program that ends by itself closes its results, also where it found no equilibrium.
+fn why_it_ends(results: &Path) -> anyhow::Result<&'static str> {
+    Ok(if !results.is_file() {
+        "the rest of the answer is not there"
+    } else if calculix::is_closed(results)? {
+        "CalculiX gave up, solid.sta tells where; `pneumorph deck` with a smaller --pressure may pass"
+    } else {
+        "CalculiX was stopped before its end, or is still running"
+    })
+}
+
+/// Ours and theirs at the pressure of `row`.
+fn sample(row: &TipRow, tips: &[calculix::TipAnswer], case: &Case) -> Sample {
     let time = row.pressure / case.pressure;
-    let theirs = tips.iter().find(|tip| (tip.time - time).abs() < SAME)?.tip;
+    let theirs = tips.iter().find(|tip| (tip.time - time).abs() < SAME).map(|tip| tip.tip);
     let ours = Vec3::new(row.tip_x, row.tip_y, row.tip_z);
-    let difference = (ours - theirs).norm() / ours.norm();
-    difference.is_finite().then(|| Sample {
+    let difference = theirs.map(|theirs| (ours - theirs).norm() / ours.norm());
+    Sample {
         pressure: row.pressure,
         tip: ours.into(),
-        tip_calculix: theirs.into(),
-        difference,
-    })
+        tip_calculix: theirs.map(Into::into),
+        difference: difference.filter(|difference| difference.is_finite()),
+    }
 }
 
 fn nodal_difference(path: &Path) -> anyhow::Result<Option<NodalDifference>> {
@@ -127,7 +160,7 @@ fn nodal_difference(path: &Path) -> anyhow::Result<Option<NodalDifference>> {
     let name = path.join(DISPLACEMENT);
     let ours: Vec<NodeRow> = csv::parse(&text(&name)?, &name)?;
     let displacement = |row: &NodeRow| Vec3::new(row.x, row.y, row.z);
-    let mut largest = NodalDifference { node: 0, difference: 0.0, share: 0.0 };
+    let mut largest = NodalDifference { node: 0, difference: 0.0, share: None };
     for (node, u) in theirs.displacements {
         let row = (node as usize).checked_sub(1).and_then(|place| ours.get(place));
         let row = row.with_context(|| {
@@ -135,11 +168,12 @@ fn nodal_difference(path: &Path) -> anyhow::Result<Option<NodalDifference>> {
         })?;
         let difference = (displacement(row) - u).norm();
         if difference > largest.difference {
-            largest = NodalDifference { node, difference, share: 0.0 };
+            largest = NodalDifference { node, difference, share: None };
         }
     }
     let scale = ours.iter().map(|row| displacement(row).norm()).fold(0.0, f64::max);
-    Ok(Some(NodalDifference { share: largest.difference / scale, ..largest }))
+    let share = Some(largest.difference / scale).filter(|share| share.is_finite());
+    Ok(Some(NodalDifference { share, ..largest }))
 }
 
 fn text(path: &Path) -> Result<String, InputError> {
@@ -149,25 +183,35 @@ fn text(path: &Path) -> Result<String, InputError> {
 impl Comparison {
     fn in_words(&self) -> String {
         let place = |[x, y, z]: [f64; 3]| format!("({x:+8.3}, {y:+8.3}, {z:+8.3})");
+        let percent = |share: f64| format!("{:.3} %", 100.0 * share);
         let mut lines = vec![format!(
             "{:>10}  {:^30}  {:^30}  {:>12}",
             "MPa", "our tip, mm", "CalculiX' tip, mm", "difference"
         )];
         lines.extend(self.samples.iter().map(|sample| {
+            let theirs = sample.tip_calculix.map_or_else(|| "no answer".to_owned(), place);
+            let difference = sample.difference.map_or("\u{2014}".to_owned(), percent);
             format!(
-                "{:>10.5}  {}  {}  {:>10.3} %",
+                "{:>10.5}  {}  {theirs:^30}  {difference:>12}",
                 sample.pressure,
-                place(sample.tip),
-                place(sample.tip_calculix),
-                100.0 * sample.difference
+                place(sample.tip)
             )
         }));
-        let largest = 100.0 * self.largest_difference;
-        lines.push(format!("{}: tips differ by {largest:.3} % at most", self.design));
-        if let Some(NodalDifference { node, difference, share }) = self.nodes {
+        let design = &self.design;
+        lines.push(match self.largest_difference {
+            Some(largest) => format!("{design}: tips differ by {} at most", percent(largest)),
+            None => format!("{design}: nothing could be compared"),
+        });
+        if let Some(nu) = self.poisson_ratio {
             lines.push(format!(
-                "of all nodes, node {node} differs most at the last pressure: by {difference:.4} mm, {:.3} % of the largest displacement",
-                100.0 * share
+                "of that, {} is expected: CalculiX' tetrahedra have no pressure of their own and lock, so that its tip moves less",
+                calculix::locking_in_percent(nu)
+            ));
+        }
+        if let Some(NodalDifference { node, difference, share }) = self.nodes {
+            let share = share.map_or("\u{2014}".to_owned(), percent);
+            lines.push(format!(
+                "of all nodes, node {node} differs most at the last pressure: by {difference:.4} mm, {share} of the largest displacement"
             ));
         }
         lines.join("\n")

@@ -336,6 +336,7 @@ impl Subject {
             mesh,
             law: &material.law,
             bulk_modulus: material.bulk_modulus,
+            poisson_ratio: law.poisson_ratio(),
             clamp: &clamp,
             tip: &tip,
             pressure: load.pressure,
@@ -410,11 +411,19 @@ impl Subject {
             ""
         };
         let TipRow { pressure, tip_x, tip_y, tip_z, .. } = *last;
+        let locking = calculix::locking_in_words(poisson_ratio).map_or_else(String::new, |words| {
+            let advice = if *was_incompressible {
+                "--poisson-ratio 0.3 gives both a law at which they hardly do"
+            } else {
+                "a smaller bulk_modulus gives both a law at which they hardly do"
+            };
+            format!("{words}; {advice}\n")
+        });
         format!(
             "{design}: {} nodes, {} tetrahedra, {} faces under pressure\n\
              {} with a bulk modulus of {:.3} MPa (Poisson's ratio {poisson_ratio:.4}){why}\n\
              ours {} at {pressure:.4} MPa: tip moved by ({tip_x:+.3}, {tip_y:+.3}, {tip_z:+.3}) mm\n\
-             next: (cd {} && ccx solid) && pneumorph compare {}",
+             {locking}next: (cd {} && ccx solid) && pneumorph compare {}",
             mesh.positions.len(),
             mesh.tetrahedra.len(),
             mesh.chamber.len(),

@@ -95,6 +95,7 @@ fn findings() -> Vec<Finding> {
         ),
         Finding::program("tetgen", &[], "for solids: apt-get install tetgen"),
         Finding::program("gmsh", &["--version"], "for solids: apt-get install gmsh"),
+        calculix(),
         Finding::program("setpriv", &["--version"], "for solids: apt-get install util-linux"),
         Finding::program("prlimit", &["--version"], "for solids: apt-get install util-linux"),
         cores(),
@@ -102,6 +103,16 @@ fn findings() -> Vec<Finding> {
         disk(),
     ]);
     findings
+}
+
+/// No command starts it: `deck` writes for it, and `compare` reads what it wrote.
+fn calculix() -> Finding {
+    let is_there = is_installed("ccx");
+    let found = is_there.then(|| first_line("ccx", &["-v"])).flatten();
+    let found =
+        found.unwrap_or_else(|| if is_there { "installed" } else { "not installed" }.to_owned());
+    let advice = "CalculiX, for a second opinion: apt-get install calculix-ccx on Debian 12; Debian 13 has no such package: conda-forge's `calculix`, or its source from www.dhondt.de";
+    Finding::new("ccx", is_there, found, advice)
 }
 
 fn has_page() -> bool {

@@ -20,6 +20,8 @@ pub struct SolidCase<'a> {
     pub law: &'a Rubber,
     /// Its resistance to changes of volume, MPa.
     pub bulk_modulus: f64,
+    /// Of the law with it, at rest.
+    pub poisson_ratio: f64,
     /// Nodes that do not move, ascending.
     pub clamp: &'a [u32],
     /// Nodes whose mean displacement is the tip's, ascending.
@@ -100,6 +102,7 @@ mod tests {
             mesh: &mesh,
             law: &law,
             bulk_modulus: 9.0,
+            poisson_ratio: 0.444,
             clamp: &[],
             tip: &[],
             pressure: 1.0,

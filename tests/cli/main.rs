@@ -20,3 +20,4 @@ mod workshop;
 mod wrong_files;
 mod wrong_surfaces;
 mod wrong_usage;
+mod second_opinion;

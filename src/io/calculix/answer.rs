@@ -97,6 +97,17 @@ pub fn read_nodes(path: &Path) -> Result<Option<NodalAnswer>, InputError> {
     Ok(answer)
 }
 
+/// Whether the program closed the `.frd` file `path`, as it does when it ends by itself.
+///
+/// # Errors
+/// [`InputError`] when the file cannot be read.
+pub fn is_closed(path: &Path) -> Result<bool, InputError> {
+    Ok(input::text(path, input::DATA)?
+        .lines()
+        .next_back()
+        .is_some_and(|line| line.trim() == "9999"))
+}
+
 fn columns(line: &str, from: usize, width: usize) -> Option<f64> {
     line.get(from..from + width)?.trim().parse().ok()
 }
