@@ -181,7 +181,7 @@ mod tests {
             let plate = |s: f64, t: f64| Vec3::new(s, t, 0.0);
             let patch = Patch::new(cells, [0.0, 6.0], [0.0, 2.0], thickness, &plate).unwrap();
             for element in ELEMENTS {
-                let material = Material::StVenantKirchhoff(law);
+                let material = Material::StVenantKirchhoff(law.clone());
                 let loads = PatchLoads::default();
                 let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
                 let mut u = vec![0.0; model.unknowns()];
