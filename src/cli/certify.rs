@@ -16,6 +16,7 @@ use super::design_folder::{write_json, write_surface};
 use super::evolve::progress_bar;
 use super::meaning::Meaning;
 use super::overload::overload;
+use super::path_rows::write_scenarios;
 use super::patience::{End, Patience};
 use super::provenance::COMMIT;
 use super::run_file::RunFile;
@@ -61,6 +62,7 @@ pub(super) struct Row {
     pub force: Option<f64>,
     pub work: Option<f64>,
     pub growth: Option<f64>,
+    #[serde(rename = "common_pressure_MPa", alias = "common_pressure")]
     pub common_pressure: Option<f64>,
     /// The largest deviation of a coarser solid.
     pub coarser_solid: Option<f64>,
@@ -370,14 +372,14 @@ fn certify_design(
     let start = cpu_seconds();
     let candidate = evaluate_network_until(&design.network, settings, stop)?;
     let row = Row::new(&design.name);
-    let (shell, mesh, scenarios) = match (candidate.outcome, candidate.mesh, candidate.scenarios) {
-        (Outcome::Evaluated(shell), Some(mesh), Some(scenarios)) => (shell, mesh, scenarios),
-        (Outcome::Rejected(rejected), ..) => return Ok(row.rejected(&rejected)),
-        _ => unreachable!("an evaluated candidate has its mesh and its scenarios"),
-    };
+    let (shell, mesh, mut scenarios) =
+        match (candidate.outcome, candidate.mesh, candidate.scenarios) {
+            (Outcome::Evaluated(shell), Some(mesh), Some(scenarios)) => (shell, mesh, scenarios),
+            (Outcome::Rejected(rejected), ..) => return Ok(row.rejected(&rejected)),
+            _ => unreachable!("an evaluated candidate has its mesh and its scenarios"),
+        };
     write_surface(folder, &mesh)?;
-    csv::write(&folder.join("path.csv"), &scenarios.free_rows)?;
-    csv::write(&folder.join("path_blocked.csv"), &scenarios.blocked_rows)?;
+    write_scenarios(folder, ["path", "path_blocked"], &mut scenarios, None)?;
     let row = Row {
         bending_shell: Some(shell.bending),
         blocking_shell: Some(shell.blocking),
@@ -385,14 +387,14 @@ fn certify_design(
         ..row
     };
     let start = cpu_seconds();
-    let certified = match certify(&mesh, &scenarios, settings, section, stop)? {
+    let mut certified = match certify(&mesh, &scenarios, settings, section, stop)? {
         Ok(certified) => certified,
         Err(rejected) => return Ok(row.rejected(&rejected)),
     };
-    let Certified { part, evaluation, scenarios, certificate, coarser } = &certified;
+    let solid = &mut certified.scenarios;
+    write_scenarios(folder, ["path_solid", "path_solid_blocked"], solid, None)?;
+    let Certified { part, evaluation, certificate, coarser, .. } = &certified;
     msh::write(&folder.join("wall.msh"), &part.mesh)?;
-    csv::write(&folder.join("path_solid.csv"), &scenarios.free_rows)?;
-    csv::write(&folder.join("path_solid_blocked.csv"), &scenarios.blocked_rows)?;
     let sheet = Sheet {
         certificate: *certificate,
         shell,

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::io::{OutputError, csv};
-use crate::model::PartModel;
+use super::path_rows::{LoadKind, State};
+use crate::io::OutputError;
+use crate::io::csv::{Cell, Table};
+use crate::math::Vec3;
 use crate::model::contact::PlaneState;
 use crate::solve::PathPoint;
 
@@ -26,76 +28,64 @@ pub(super) struct PlaneSummary {
     smallest_gap: f64,
 }
 
-/// A row of `contact.csv`; as [`PlaneSummary`].
-#[derive(Debug, Serialize)]
-struct Row {
-    step: usize,
-    /// In the order of the scene, from 0.
-    plane: usize,
-    load: f64,
-    force_x: f64,
-    force_y: f64,
-    force_z: f64,
-    friction_x: f64,
-    friction_y: f64,
-    friction_z: f64,
-    /// Empty where the part does not touch the plane.
-    centre_x: Option<f64>,
-    centre_y: Option<f64>,
-    centre_z: Option<f64>,
-    area: f64,
-    bearing_area: f64,
-    smallest_gap: f64,
+impl From<&PlaneState> for PlaneSummary {
+    fn from(state: &PlaneState) -> Self {
+        Self {
+            force: state.force.into(),
+            friction: state.friction.into(),
+            centre: state.centre.map(Into::into),
+            area: state.area,
+            bearing_area: state.bearing_area,
+            smallest_gap: state.smallest_gap,
+        }
+    }
 }
 
-/// The planes at the last of `points`.
-pub(super) fn plane_summaries(model: &PartModel, points: &[PathPoint]) -> Vec<PlaneSummary> {
-    let summary = |state: PlaneState| PlaneSummary {
-        force: state.force.into(),
-        friction: state.friction.into(),
-        centre: state.centre.map(Into::into),
-        area: state.area,
-        bearing_area: state.bearing_area,
-        smallest_gap: state.smallest_gap,
-    };
-    let states = points.last().map(|point| model.plane_states(&point.x)).unwrap_or_default();
-    states.into_iter().map(summary).collect()
+/// The planes at the last of `states`.
+pub(super) fn plane_summaries(states: &[State]) -> Vec<PlaneSummary> {
+    let planes = states.last().map(|state| state.planes.as_slice());
+    planes.unwrap_or_default().iter().map(Into::into).collect()
 }
 
 /// Writes `contact.csv`, every plane at every one of `points`; nothing where the scene has no planes.
 pub(super) fn write_contact(
     folder: &Path,
-    model: &PartModel,
+    load: LoadKind,
     points: &[PathPoint],
+    states: &[State],
 ) -> Result<(), OutputError> {
-    let rows = points.iter().enumerate().flat_map(|(step, point)| {
-        let states = model.plane_states(&point.x).into_iter().enumerate();
-        states.map(move |(plane, state)| row(step, plane, point.load, state))
-    });
-    let rows: Vec<Row> = rows.collect();
+    let rows: Vec<(usize, f64, usize, &PlaneState)> = points
+        .iter()
+        .zip(states)
+        .enumerate()
+        .flat_map(|(step, (point, state))| {
+            let planes = state.planes.iter().enumerate();
+            planes.map(move |(plane, state)| (step, point.load, plane, state))
+        })
+        .collect();
     if rows.is_empty() {
         return Ok(());
     }
-    csv::write(&folder.join("contact.csv"), &rows)
-}
-
-fn row(step: usize, plane: usize, load: f64, state: PlaneState) -> Row {
-    let PlaneState { force, friction, centre, area, bearing_area, smallest_gap } = state;
-    Row {
-        step,
-        plane,
-        load,
-        force_x: force.x,
-        force_y: force.y,
-        force_z: force.z,
-        friction_x: friction.x,
-        friction_y: friction.y,
-        friction_z: friction.z,
-        centre_x: centre.map(|centre| centre.x),
-        centre_y: centre.map(|centre| centre.y),
-        centre_z: centre.map(|centre| centre.z),
-        area,
-        bearing_area,
-        smallest_gap,
+    let mut table = Table::default();
+    table.push("step", rows.iter().map(|row| Cell::Count(row.0)));
+    table.push("plane", rows.iter().map(|row| Cell::Count(row.2)));
+    table.push_numbers(load.column(), rows.iter().map(|row| row.1));
+    let mut push = |name: &str, unit: &str, of: &dyn Fn(&PlaneState) -> Vec3| {
+        for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
+            let components = rows.iter().map(|row| of(row.3)[axis]);
+            table.push_numbers(format!("{name}_{letter}_{unit}"), components);
+        }
+    };
+    push("force", "N", &|state| state.force);
+    push("friction", "N", &|state| state.friction);
+    for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
+        // Empty where the part does not touch the plane.
+        let centre = |state: &PlaneState| state.centre.map(|centre| centre[axis]);
+        let cells = rows.iter().map(|row| centre(row.3).map_or(Cell::Nothing, Cell::Number));
+        table.push(format!("centre_{letter}_mm"), cells);
     }
+    table.push_numbers("area_mm2", rows.iter().map(|row| row.3.area));
+    table.push_numbers("bearing_area_mm2", rows.iter().map(|row| row.3.bearing_area));
+    table.push_numbers("smallest_gap_mm", rows.iter().map(|row| row.3.smallest_gap));
+    table.write(&folder.join("contact.csv"))
 }

@@ -90,30 +90,39 @@ struct Case {
     provenance: Provenance,
 }
 
-/// A row of `path_solid.csv`.
+/// A row of `path_solid.csv`; decks of earlier versions name no units.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct TipRow {
     pub step: usize,
     /// MPa.
+    #[serde(rename = "pressure_MPa", alias = "pressure")]
     pub pressure: f64,
     /// Mean displacement of the tip's nodes, mm.
+    #[serde(rename = "tip_x_mm", alias = "tip_x")]
     pub tip_x: f64,
+    #[serde(rename = "tip_y_mm", alias = "tip_y")]
     pub tip_y: f64,
+    #[serde(rename = "tip_z_mm", alias = "tip_z")]
     pub tip_z: f64,
     /// Of a node, mm.
+    #[serde(rename = "max_displacement_mm", alias = "max_displacement")]
     pub max_displacement: f64,
     /// In the chamber, mm^3.
+    #[serde(rename = "volume_mm3", alias = "volume")]
     pub volume: f64,
 }
 
-/// A row of `displacement_solid.csv`.
+/// A row of `displacement_solid.csv`, as [`TipRow`].
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct NodeRow {
     /// Counted from 1, as in the decks.
     pub node: u32,
     /// mm.
+    #[serde(rename = "x_mm", alias = "x")]
     pub x: f64,
+    #[serde(rename = "y_mm", alias = "y")]
     pub y: f64,
+    #[serde(rename = "z_mm", alias = "z")]
     pub z: f64,
 }
 
@@ -204,8 +213,10 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
     let refused = [
         ("[[plane]]", !scene.planes.is_empty()),
         ("[self_contact]", scene.self_contact.is_some()),
-        ("[load] volume", scene.load.volume.is_some()),
+        ("[load] volume_ratio", scene.load.volume_ratio.is_some()),
+        ("[load] volume_mm3", scene.load.volume_mm3.is_some()),
         ("[load] gas", scene.load.gas.is_some()),
+        ("[load] pressure = 0", scene.load.pressure == Some(0.0) && choices.pressure.is_none()),
         ("[load] curve", scene.load.curve),
         ("[load] linear", scene.load.linear),
     ];

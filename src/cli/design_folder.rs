@@ -4,11 +4,12 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::path_rows::LoadKind;
 use super::placement::Placed;
 use super::watch_curve::WatchCurve;
-use crate::fitness::Observation;
+use crate::io::csv::{Cell, Table};
 use crate::io::vtu::{Picture, Values, write_series};
-use crate::io::{OutputError, atomic, csv, stl};
+use crate::io::{OutputError, atomic, stl};
 use crate::math::Vec3;
 use crate::mesh::ShellMesh;
 use crate::model::{BorneStates, PartModel, ShellState, SolidState};
@@ -19,20 +20,6 @@ use crate::surface::TriangleMesh;
 pub(super) fn write_surface(folder: &Path, mesh: &ShellMesh) -> Result<(), OutputError> {
     stl::write(&folder.join("surface.stl"), &mesh.surface)?;
     stl::write(&folder.join("wall.stl"), &mesh.surface.wall(mesh.thickness))
-}
-
-/// Writes `<name>.csv`, and the pictures of `points`.
-pub(super) fn write_path(
-    folder: &Path,
-    name: &str,
-    mesh: &ShellMesh,
-    model: &PartModel,
-    points: &[PathPoint],
-    rows: &[Observation],
-    placed: Placed,
-) -> Result<(), OutputError> {
-    csv::write(&folder.join(format!("{name}.csv")), rows)?;
-    write_pictures(folder, name, &mesh.surface, model, points, placed)
 }
 
 /// Writes `<name>.pvd` with one picture for each of `points`: a shell's middle with what its wall bears; of a solid that shows the
@@ -145,26 +132,25 @@ fn singles(values: &[f64]) -> Vec<f32> {
     values.iter().map(|&value| value as f32).collect()
 }
 
-/// A row of `watches.csv`.
-#[derive(Debug, Serialize)]
-struct WatchRow<'a> {
-    watch: &'a str,
-    step: usize,
-    /// Share of the whole load.
-    load: f64,
-    value: f64,
-}
-
-/// Writes `watches.csv`: every watch at every step.
+/// Writes `watches.csv`: every watch at every one of `points`, a row each, with the load as `path.csv` has it.
 pub(super) fn write_watches<'a>(
     folder: &Path,
+    load: LoadKind,
+    points: &[PathPoint],
     watches: impl Iterator<Item = (&'a str, &'a WatchCurve)>,
 ) -> Result<(), OutputError> {
-    let rows = watches.flat_map(|(watch, curve)| {
-        let points = curve.points.iter().enumerate();
-        points.map(move |(step, at)| WatchRow { watch, step, load: at.load, value: at.value })
-    });
-    csv::write(&folder.join("watches.csv"), &rows.collect::<Vec<_>>())
+    let rows: Vec<_> = watches
+        .flat_map(|(watch, curve)| {
+            let steps = curve.points.iter().zip(points).enumerate();
+            steps.map(move |(step, (at, point))| (watch, step, point.load, at.value))
+        })
+        .collect();
+    let mut table = Table::default();
+    table.push("watch", rows.iter().map(|&(watch, ..)| Cell::Word(watch)));
+    table.push("step", rows.iter().map(|&(_, step, ..)| Cell::Count(step)));
+    table.push_numbers(load.column(), rows.iter().map(|&(_, _, load, _)| load));
+    table.push_numbers("value", rows.iter().map(|&(.., value)| value));
+    table.write(&folder.join("watches.csv"))
 }
 
 /// Writes `value` as indented JSON.

@@ -34,7 +34,7 @@ pub(super) struct Row {
     #[serde(default)]
     pub angle_deg: f64,
     /// N.
-    #[serde(default, alias = "plane_force_N")]
+    #[serde(default, alias = "plane_0_force_N")]
     pub plane_force: f64,
 }
 

@@ -9,13 +9,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
 use super::certify::{Certifying, Row};
-use super::design_folder::{write_path, write_surface};
+use super::design_folder::write_surface;
 use super::evaluations::{Evaluator, Generation, Known, Unfinished, serve_candidates};
 use super::material::instability;
 use super::meaning::Meaning;
 use super::overload::overload;
+use super::path_rows::write_scenarios;
 use super::patience::{End, Patience};
-use super::placement::Placed;
 use super::provenance::COMMIT;
 use super::resume::Start;
 use super::run_file::RunFile;
@@ -355,22 +355,11 @@ impl Search {
         let network = Genome::try_from(individual.genome.clone())?.decode();
         atomic::write(&folder.join("genome.toml"), network.to_toml().as_bytes())?;
         let candidate = evaluate_network(&network, &self.settings)?;
-        let (Some(mesh), Some(scenarios)) = (candidate.mesh, candidate.scenarios) else {
+        let (Some(mesh), Some(mut scenarios)) = (candidate.mesh, candidate.scenarios) else {
             bail!("{} was evaluated before and fails now", individual.id);
         };
         write_surface(&folder, &mesh)?;
-        let model = &scenarios.model;
-        write_path(
-            &folder,
-            "path",
-            &mesh,
-            model,
-            &scenarios.free.points,
-            &scenarios.free_rows,
-            Placed::default(),
-        )?;
-        let (points, rows) = (&scenarios.blocked.points, &scenarios.blocked_rows);
-        write_path(&folder, "path_blocked", &mesh, model, points, rows, Placed::default())?;
+        write_scenarios(&folder, ["path", "path_blocked"], &mut scenarios, Some(&mesh))?;
         Ok(())
     }
 

@@ -1,16 +1,19 @@
 //! `[material]` of a run or scene file: a preset, or a law with its numbers.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::LazyLock;
 
 use anyhow::{Error, bail};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, json};
 
 use crate::model::material::{
-    Compressible, Key, KeyKind, KeyValue, Loading, Material, Ogden, keys, positive as is_positive,
-    within as is_within,
+    Compressible, Key, KeyKind, KeyValue, Loading, Material, Ogden, keys, laws_in_words,
+    positive as is_positive, within as is_within,
 };
 
 /// What a file says about the material: a preset alone, or a law with its own keys.
@@ -101,7 +104,7 @@ impl<'de> Visitor<'de> for SectionVisitor {
             match word {
                 Word::Preset => section.preset = Some(map.next_value()?),
                 Word::Law => section.law = Some(map.next_value()?),
-                Word::Key(Key { name, kind }) => {
+                Word::Key(Key { name, kind, .. }) => {
                     section.numbers.push((name, map.next_value_seed(Kind(kind))?));
                 }
             }
@@ -117,6 +120,36 @@ enum Word {
     Preset,
     Law,
     Key(Key),
+}
+
+impl JsonSchema for MaterialSection {
+    fn schema_name() -> Cow<'static, str> {
+        "MaterialSection".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let mut properties = Map::new();
+        let preset = format!("A material with its numbers: {PRESETS}.");
+        let default = Self::default().preset;
+        let preset = json!({ "type": "string", "description": preset, "default": default });
+        properties.insert("preset".to_owned(), preset);
+        let mut add = |name: &str, kind: &str, meaning: String| {
+            properties.insert(name.to_owned(), json!({ "type": kind, "description": meaning }));
+        };
+        let laws: Vec<String> =
+            laws_in_words().iter().map(|(law, wants)| format!("{law} ({wants})")).collect();
+        let laws = laws.join("; ");
+        add("law", "string", format!("Instead of a preset: a law, with keys of its own: {laws}."));
+        for Key { name, kind, meaning } in keys() {
+            let kind = if *kind == KeyKind::Number { "number" } else { "array" };
+            add(name, kind, format!("Of a law: {meaning}."));
+        }
+        json_schema!({
+            "description": "What the wall is made of.",
+            "type": "object",
+            "properties": properties,
+        })
+    }
 }
 
 /// All that a section knows, in the order in which a message lists them.

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use anyhow::ensure;
+use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -13,11 +14,12 @@ use crate::field::DesignBox;
 use crate::mesh::MeshSettings;
 
 /// How finely a network, an ellipsoid or a surface of one's own is meshed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct MeshSection {
     /// Edge length of the shell's triangles, mm; for an STL file 1.5 wall thicknesses where it is left out, or `"as given"`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<f64>")]
     pub edge: Option<Edge>,
     /// For a network: radius to which the rims of the flat caps are rounded, mm.
     pub rim_radius: f64,

@@ -15,6 +15,7 @@ mod export;
 mod film;
 mod formula;
 mod inspect;
+mod keys;
 mod material;
 mod meaning;
 mod mesh;
@@ -25,6 +26,7 @@ mod overload;
 mod own_surface;
 mod part;
 mod patch_part;
+mod path_rows;
 mod patience;
 mod pick;
 mod placement;
@@ -49,6 +51,7 @@ mod verify_curves;
 mod verify_files;
 mod verify_section;
 mod verify_stability;
+mod walk_progress;
 mod walk_summary;
 mod watch;
 mod watch_curve;
@@ -64,11 +67,12 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 pub use self::inspect::{Input, inspect};
+use self::solid_part::SolidSection;
 use self::terminal::{narrate, say, warn};
 use self::verify::Selection;
 use self::verify_cases::{CURVES, SHELLS};
 use self::verify_files::SceneFolder;
-use crate::io::OutputFolder;
+use crate::io::{OutputFolder, atomic};
 use crate::mesh::ShellElement;
 use crate::solve::{Backend, Job};
 
@@ -148,15 +152,16 @@ enum Command {
     /// Walk designs as shells and as solids, and tell how far they agree.
     Certify {
         /// The run file, with a `solid` section or its defaults.
-        run: PathBuf,
+        #[arg(required_unless_present = "print_defaults")]
+        run: Option<PathBuf>,
         /// Network files.
         networks: Vec<PathBuf>,
         /// Instead of files: this many valid designs of the run's first generation.
         #[arg(long, default_value_t = 0)]
         random: usize,
         /// Folder for the results; must not exist unless --resume is given.
-        #[arg(long)]
-        out: PathBuf,
+        #[arg(long, required_unless_present = "print_defaults")]
+        out: Option<PathBuf>,
         /// Go on in --out: designs that have ended there are not walked again.
         #[arg(long)]
         resume: bool,
@@ -169,6 +174,9 @@ enum Command {
         /// The solver, instead of the run file's.
         #[arg(long)]
         solver: Option<SolverName>,
+        /// Print a run file with all defaults, those of its solids too, and stop.
+        #[arg(long)]
+        print_defaults: bool,
     },
     /// Write a design for a printer, with an air inlet, and report whether it can be printed.
     Export(export::Export),
@@ -255,7 +263,7 @@ enum Command {
         /// Which shell.
         shell: Shell,
     },
-    /// Write the manual pages.
+    /// Write the manual pages, and the page of all keys of scene, run and network files.
     Manual {
         /// Folder for them; must not exist.
         #[arg(long)]
@@ -423,7 +431,11 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
     );
     let done = match command {
         Command::Evolve { print_defaults: true, .. } => {
-            say(&run_file::defaults());
+            say(&run_file::defaults(None));
+            Ok(())
+        }
+        Command::Certify { print_defaults: true, .. } => {
+            say(&run_file::defaults(Some(SolidSection::default())));
             Ok(())
         }
         Command::Simulate { print_defaults: true, .. } => {
@@ -441,7 +453,18 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             let simulate = || simulate::run(&scene, &out, solver, json, job);
             return Ok(on_threads(threads, simulate)?.into());
         }
-        Command::Certify { run, networks, random, out, resume, time_limit, threads, solver } => {
+        Command::Certify {
+            run,
+            networks,
+            random,
+            out,
+            resume,
+            time_limit,
+            threads,
+            solver,
+            ..
+        } => {
+            let (run, out) = (given(run), given(out));
             let request = certify::Request {
                 run: &run,
                 files: &networks,
@@ -496,7 +519,8 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         }
         Command::Manual { out } => {
             let folder = OutputFolder::create_new(&out)?;
-            Ok(clap_mangen::generate_to(Arguments::command(), folder.path())?)
+            clap_mangen::generate_to(Arguments::command(), folder.path())?;
+            Ok(atomic::write(&folder.file("keys.md"), keys::page().as_bytes())?)
         }
     };
     done.map(|()| ExitCode::SUCCESS)

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{bail, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::material::{positive, within};
@@ -13,7 +14,7 @@ use crate::io::{ChamberChoice, GroupKey, OwnSolid};
 use crate::surface::TriangleMesh;
 
 /// Where the part comes from; exactly one of them, files relative to the scene file.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Part {
     /// A network file; its surface is the middle of the wall.
@@ -51,20 +52,20 @@ pub(super) struct Part {
 }
 
 /// A sphere of triangles: an icosahedron whose triangles are quartered again and again.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SphereSection {
-    /// Of the mid-surface, mm.
+    /// Radius of the mid-surface, mm.
     pub radius: f64,
-    /// How often; 3 makes 1280 triangles.
+    /// How often the twenty triangles of an icosahedron are quartered; 3 makes 1280 triangles.
     pub subdivisions: usize,
 }
 
 /// An ellipsoid of triangles of one size.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct EllipsoidSection {
-    /// Of the mid-surface along x, y and z, mm.
+    /// Semi-axes of the mid-surface along x, y and z, mm.
     pub semi_axes: [f64; 3],
 }
 

@@ -1,6 +1,7 @@
 //! A part given by formulas, and what stands at its sides and vertices: supports and forces.
 
 use anyhow::{Context, bail, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::formula::Formula;
@@ -11,7 +12,7 @@ use crate::mesh::Side;
 use crate::model::EdgeSupport;
 
 /// `[part.patch]`: the mid-surface `x(s, t), y(s, t), z(s, t)` over a rectangle of `s` and `t`, cut into cells.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PatchSection {
     /// Range of the first parameter.
@@ -20,16 +21,19 @@ pub(super) struct PatchSection {
     pub t: [f64; 2],
     /// Cells along each; two triangles make a cell.
     pub cells: [usize; 2],
-    /// Formulas of `s`, `t` and `pi`, mm. They hold a few cells beyond the sides too.
+    /// A formula of `s`, `t` and `pi`, mm. It holds a few cells beyond the sides too.
     pub x: String,
+    /// As `x`.
     pub y: String,
+    /// As `x`.
     pub z: String,
 }
 
 /// `[[edge]]`: how a side is held, in exactly one way; a side that is not listed is free.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct EdgeSection {
+    /// Which side.
     pub side: Side,
     /// Neither moves nor turns.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -43,29 +47,32 @@ pub(super) struct EdgeSection {
 }
 
 /// `[[pin]]`: a vertex that does not move along some axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PinSection {
     /// Its `s` and `t`.
     pub at: [f64; 2],
+    /// Along which axes it does not move.
     pub hold: Vec<Axis>,
 }
 
 /// `[[force]]`: a force at a vertex, along a side or over the whole surface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ForceSection {
-    /// `s` and `t` of a vertex, with `force`, N.
+    /// `s` and `t` of a vertex, with `force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<[f64; 2]>,
+    /// At that vertex, N.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<[f64; 3]>,
-    /// A side, with `per_length`, N/mm.
+    /// A side, with `per_length`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub side: Option<Side>,
+    /// Along that side at rest, N/mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub per_length: Option<[f64; 3]>,
-    /// MPa, of the surface at rest.
+    /// On the whole surface, per area at rest, MPa.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub per_area: Option<[f64; 3]>,
     /// Whether it turns with the wall at its place, instead of keeping its direction; not for `per_area`.
@@ -74,16 +81,17 @@ pub(super) struct ForceSection {
 }
 
 /// `[[moment]]`: a dead moment along a side.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MomentSection {
+    /// The side, which is free.
     pub side: Side,
-    /// About the axes x, y, z, N mm/mm.
+    /// About the axes x, y, z, per length of the side, N mm/mm.
     pub per_length: [f64; 3],
 }
 
 /// An axis of space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Axis {
     X,
@@ -229,9 +237,7 @@ impl MomentSection {
 /// Checks the pressure on a patch, MPa, of either sign.
 pub(super) fn check_patch_pressure(pressure: f64) -> anyhow::Result<()> {
     let what = "[load] pressure of a [part.patch]";
-    within(what, pressure, -LARGEST_LOAD, LARGEST_LOAD)?;
-    ensure!(pressure != 0.0, "{what} is zero: no pressure at all");
-    Ok(())
+    within(what, pressure, -LARGEST_LOAD, LARGEST_LOAD).map(drop)
 }
 
 /// Beyond, in N, mm and MPa, nothing is a load.

@@ -7,13 +7,14 @@
 //! moved back by `c`. An STL file itself keeps seven digits: 2e-3 mm at 30 m.
 
 use anyhow::bail;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::part::Part;
 use crate::math::Vec3;
 
 /// The direction in a file that is the part's long axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub(super) enum Axis {
     #[serde(rename = "x")]
     X,

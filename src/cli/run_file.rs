@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::keys::{annotated, sections};
 use super::material::{MaterialSection, positive, within};
 use super::solid_part::SolidSection;
 use crate::evolve::{self, Nsga2Settings};
@@ -17,7 +19,7 @@ use crate::mesh::{MeshSettings, ShellSettings};
 use crate::solve::Backend;
 
 /// A run file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct RunFile {
     pub evolution: Nsga2Settings,
@@ -37,10 +39,10 @@ pub(super) struct RunFile {
 }
 
 /// Which solver finds the equilibria.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SolverSection {
-    /// `native` or `petsc`.
+    /// Which library finds the equilibria.
     pub backend: Backend,
 }
 
@@ -151,12 +153,13 @@ const SOLID_EXAMPLE: &str = "
 # check = 0.25
 ";
 
-/// A run file with every default, as TOML.
-pub(super) fn defaults() -> String {
+/// A run file with every default, as TOML, and with the section of a `solid` where there is one.
+pub(super) fn defaults(solid: Option<SolidSection>) -> String {
     let bounds = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper]));
-    let run = RunFile { genes: bounds.collect(), ..RunFile::default() };
+    let run = RunFile { genes: bounds.collect(), solid, ..RunFile::default() };
     let defaults = toml::to_string(&run).expect("the defaults are plain numbers and words");
-    defaults + SOLID_EXAMPLE
+    let example = if solid.is_some() { "" } else { SOLID_EXAMPLE };
+    annotated(&defaults, &sections::<RunFile>()) + example
 }
 
 pub(super) fn check_solver(backend: Backend) -> anyhow::Result<()> {

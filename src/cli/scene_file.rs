@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
-use serde::{Deserialize, Serialize};
+use schemars::JsonSchema;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
+use super::keys::{annotated, sections};
 use super::material::{MaterialSection, positive, within};
 use super::mesh_section::{Edge, MeshSection};
 use super::part::Part;
@@ -24,7 +27,7 @@ use crate::model::contact::{PlaneSettings, SelfContactSettings};
 use crate::solve::{Backend, LinearMethod, PathSettings, Programme, Supply};
 
 /// A scene file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneFile {
     pub part: Part,
@@ -54,11 +57,13 @@ pub(super) struct SceneFile {
     /// For a patch: its sides; what is not listed is free.
     #[serde(default, rename = "edge", skip_serializing_if = "Vec::is_empty")]
     pub edges: Vec<EdgeSection>,
+    /// For a patch: vertices that do not move along some axes.
     #[serde(default, rename = "pin", skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<PinSection>,
     /// For a patch: forces, with or instead of a pressure.
     #[serde(default, rename = "force", skip_serializing_if = "Vec::is_empty")]
     pub forces: Vec<ForceSection>,
+    /// For a patch: dead moments along its sides.
     #[serde(default, rename = "moment", skip_serializing_if = "Vec::is_empty")]
     pub moments: Vec<MomentSection>,
     /// What is followed along the path.
@@ -66,21 +71,27 @@ pub(super) struct SceneFile {
     pub watches: Vec<WatchSection>,
     /// What `verify` compares with; `simulate` reads past it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
     pub verify: Option<VerifySection>,
 }
 
 /// What drives the part, and how its path is walked.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct LoadSection {
     /// Largest pressure, MPa, below 0 for a vacuum: in the chamber, or on a patch towards its normal `x,s cross x,t`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<f64>,
-    /// For a closed part, instead of raising the pressure: the enclosed volume is prescribed, up to this multiple of that at
-    /// rest, and the pressure is what it takes.
+    /// Instead of a pressure, for a closed part: the volume at the end, as a multiple of that at rest; the pressure is what it takes.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub volume: Option<f64>,
-    /// For a closed part, instead of raising the pressure: gas is let in, and keeps what it is.
+    pub volume_ratio: Option<f64>,
+    /// As `volume_ratio`, but the volume itself, mm^3 (that inside the middle of the wall, of a solid the chamber's).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume_mm3: Option<f64>,
+    #[serde(skip_serializing)]
+    #[schemars(skip)]
+    pub volume: Option<FormerVolume>,
+    /// Instead of a pressure, for a closed part: gas is let in, and keeps what it is; `gas = { amount = 1.3 }`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gas: Option<GasSection>,
     /// Whether the whole curve of equilibria is traced, stable or not, instead of snapping over what is not.
@@ -99,6 +110,8 @@ impl Default for LoadSection {
         let LoadSettings { stretch_bound, path, .. } = LoadSettings::default();
         Self {
             pressure: None,
+            volume_ratio: None,
+            volume_mm3: None,
             volume: None,
             gas: None,
             curve: false,
@@ -110,11 +123,23 @@ impl Default for LoadSection {
     }
 }
 
+/// `volume`, a multiple in earlier versions, which was taken for mm^3: whoever gives it is told its two names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FormerVolume {}
+
+impl<'de> Deserialize<'de> for FormerVolume {
+    fn deserialize<D: Deserializer<'de>>(_: D) -> Result<Self, D::Error> {
+        Err(D::Error::custom(
+            "`volume` has no unit; write `volume_ratio`, a multiple of the volume at rest as it was, or `volume_mm3`",
+        ))
+    }
+}
+
 /// An amount of gas that is raised from what the part holds at rest; isothermal.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a section, written gas = { amount = 1.3 }")]
 pub(super) struct GasSection {
-    /// The largest, as a multiple of the amount at rest.
+    /// The amount at the end, as a multiple of that at rest; 1 seals the chamber.
     pub amount: f64,
     /// Volume of the line that shares the gas, mm^3.
     #[serde(default)]
@@ -130,7 +155,7 @@ fn standard_atmosphere() -> f64 {
 }
 
 /// Contact of the wall with itself.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct SelfContactSection {
     /// Gap at which folds begin to push each other, in thicknesses.
@@ -147,7 +172,7 @@ impl Default for SelfContactSection {
 }
 
 /// A rigid plane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Plane {
     /// Direction towards the part.
@@ -167,13 +192,13 @@ fn default_elastic_slip() -> f64 {
 }
 
 /// Which solver finds the equilibria, and how.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SolverSection {
-    /// `native` or `petsc`.
+    /// Which library finds the equilibria; by default PETSc where it is built in.
     #[serde(default = "default_backend")]
     pub backend: Backend,
-    /// `auto`, `direct`, or `iterative` for a large solid.
+    /// How linear systems are solved.
     #[serde(default)]
     pub linear: LinearMethod,
 }
@@ -243,9 +268,8 @@ impl SceneFile {
     pub(super) fn self_contact(&self) -> anyhow::Result<Option<SelfContactSettings>> {
         let Some(section) = self.self_contact else { return Ok(None) };
         let of_load = || match (&self.part.patch, self.load.pressure) {
-            (Some(_), None) => Ok(SHARE_OF_STIFFNESS * self.material.material()?.shear_modulus()),
-            (Some(_), Some(pressure)) => Ok(pressure.abs()),
-            (None, _) => Ok(self.load_settings().pressure),
+            (Some(_), pressure) => self.pressing(pressure.unwrap_or(0.0)),
+            (None, _) => self.pressing(self.load_settings().pressure),
         };
         let pressure = section.pressure.map_or_else(of_load, anyhow::Ok)?;
         let activation = section.activation * self.wall.thickness;
@@ -284,9 +308,10 @@ impl SceneFile {
             "[load] linear wants a patch, a sphere or an ellipsoid"
         );
         match self.load.pressure {
+            // No pressure at all: what else loads or deforms the part is asked for.
+            Some(0.0) | None => {}
             Some(pressure) if patch.is_some() => check_patch_pressure(pressure)?,
             Some(pressure) => drop(positive("[load] pressure", pressure.abs())?),
-            None => {}
         }
         if let Some(patch) = patch {
             patch.check()?;
@@ -311,25 +336,46 @@ impl SceneFile {
         Ok(())
     }
 
-    /// Checks the keys of `[load]` that say what is given instead of a rising pressure.
+    /// Checks the keys of `[load]` that say what is given.
     fn check_supply(&self) -> anyhow::Result<()> {
-        let LoadSection { volume, gas, curve, linear, .. } = self.load;
-        let given = [volume.is_some(), gas.is_some(), curve, linear];
+        let LoadSection { pressure, volume_ratio, volume_mm3, gas, curve, linear, .. } = self.load;
+        let supplies = [
+            ("pressure", pressure.is_some()),
+            ("volume_ratio", volume_ratio.is_some()),
+            ("volume_mm3", volume_mm3.is_some()),
+            ("gas", gas.is_some()),
+        ];
+        let manners = [("curve", curve), ("linear", linear)];
+        let given = |keys: &[(&'static str, bool)]| -> Vec<&'static str> {
+            keys.iter().filter(|(_, given)| *given).map(|(key, _)| *key).collect()
+        };
+        let (supplies, manners) = (given(&supplies), given(&manners));
         ensure!(
-            given.iter().filter(|given| **given).count() <= 1,
-            "[load] has more than one of `volume`, `gas`, `curve` and `linear`; give one"
+            supplies.len() <= 1,
+            "[load] has both `{}`, but one of them follows from the other; give one",
+            supplies.join("` and `")
         );
+        // Both are ways in which a pressure, or the loads of a patch, are applied.
+        let [first, second] = [supplies.first(), manners.first()].map(|key| key.copied());
+        if let (Some(supply @ ("volume_ratio" | "volume_mm3" | "gas")), Some(manner)) =
+            (first, second)
+        {
+            bail!("[load] has both `{supply}` and `{manner}`, which wants a `pressure`; give one");
+        }
+        ensure!(manners.len() <= 1, "[load] has both `curve` and `linear`; give one");
+        let is_driven = volume_ratio.is_some() || volume_mm3.is_some() || gas.is_some();
         ensure!(
-            self.part.patch.is_none() || (volume.is_none() && gas.is_none()),
-            "[load] volume and gas want a closed part: a network, an STL file, a sphere or an ellipsoid"
+            self.part.patch.is_none() || !is_driven,
+            "[load] volume_ratio, volume_mm3 and gas want a closed part; a [part.patch] encloses nothing"
         );
-        if let Some(multiple) = volume {
-            within("[load] volume", multiple, 1e-3, 1e6)?;
-            ensure!(multiple != 1.0, "[load] volume is 1, which is the volume at rest");
+        if let Some(ratio) = volume_ratio {
+            within("[load] volume_ratio", ratio, LEAST_RATIO, LARGEST_RATIO)?;
+        }
+        if let Some(volume) = volume_mm3 {
+            positive("[load] volume_mm3", volume)?;
         }
         if let Some(GasSection { amount, dead_volume, atmosphere }) = gas {
-            within("[load] gas amount", amount, 1e-3, 1e6)?;
-            ensure!(amount != 1.0, "[load] gas amount is 1, which is the gas at rest");
+            within("[load] gas amount", amount, LEAST_RATIO, LARGEST_RATIO)?;
             within("[load] gas dead_volume", dead_volume, 0.0, 1e12)?;
             positive("[load] gas atmosphere", atmosphere)?;
         }
@@ -355,15 +401,17 @@ impl SceneFile {
     }
 
     fn has_load(&self) -> bool {
-        // A moment is refused where it is zero, and a pressure too.
-        self.load.pressure.is_some()
+        // A moment is refused where it is zero.
+        self.load.pressure.is_some_and(|pressure| pressure != 0.0)
             || !self.moments.is_empty()
             || self.forces.iter().any(ForceSection::acts)
     }
 
     /// The largest load and how its path is walked; the load of a patch is the share of all its loads, 1 at most.
     pub(super) fn load_settings(&self) -> LoadSettings {
-        let pressure = self.load.pressure.unwrap_or(LoadSettings::default().pressure);
+        let of_verify = || self.verify.as_ref().and_then(|verify| verify.pressure);
+        let given = self.load.pressure.or_else(of_verify);
+        let pressure = given.unwrap_or(LoadSettings::default().pressure);
         let largest = if self.part.patch.is_some() { 1.0 } else { pressure };
         LoadSettings {
             pressure: largest,
@@ -373,30 +421,55 @@ impl SceneFile {
     }
 
     /// What the path is driven through, for a part that encloses `volume_at_rest` (mm^3).
-    pub(super) fn programme(&self, volume_at_rest: f64) -> Programme {
+    ///
+    /// # Errors
+    /// When the volume at the end is none that the part can have.
+    pub(super) fn programme(&self, volume_at_rest: f64) -> anyhow::Result<Programme> {
         let driven = |supply, end| Programme::Driven { supply, end };
-        let LoadSection { volume, gas, curve, .. } = self.load;
-        match (volume, gas) {
-            (Some(multiple), _) => driven(Supply::Conjugate, multiple * volume_at_rest),
-            (None, Some(GasSection { amount, dead_volume, atmosphere })) => {
+        let LoadSection { volume_ratio, volume_mm3, gas, curve, .. } = self.load;
+        if let Some(ratio) = volume_ratio {
+            return Ok(driven(Supply::Conjugate, ratio * volume_at_rest));
+        }
+        if let Some(volume) = volume_mm3 {
+            let ratio = volume / volume_at_rest;
+            ensure!(
+                (LEAST_RATIO..=LARGEST_RATIO).contains(&ratio),
+                "[load] volume_mm3 is {volume:?}, but the part encloses {volume_at_rest:.4} mm^3 at rest"
+            );
+            return Ok(driven(Supply::Conjugate, volume));
+        }
+        Ok(match gas {
+            Some(GasSection { amount, dead_volume, atmosphere }) => {
                 driven(Supply::Gas { atmosphere, dead_volume, volume_at_rest }, amount)
             }
-            (None, None) if curve => Programme::Curve { end: self.load_settings().pressure },
-            (None, None) => self.load_settings().pressure.into(),
-        }
+            None if curve => Programme::Curve { end: self.load_settings().pressure },
+            None => self.load_settings().pressure.into(),
+        })
     }
 
-    /// The planes, their barriers fit for a `pressure` of this size, MPa.
-    pub(super) fn plane_settings(&self, pressure: f64) -> Vec<PlaneSettings> {
-        let pressure = pressure.abs();
+    /// The planes, their barriers fit for a `pressure` of this size (MPa), or for the material where there is none.
+    pub(super) fn plane_settings(&self, pressure: f64) -> anyhow::Result<Vec<PlaneSettings>> {
+        let pressure = self.pressing(pressure)?;
         let settings = |plane: &Plane| PlaneSettings {
             friction: plane.friction,
             elastic_slip: plane.elastic_slip,
             ..PlaneSettings::new(Vec3::from(plane.normal).normalize(), plane.distance, pressure)
         };
-        self.planes.iter().map(settings).collect()
+        Ok(self.planes.iter().map(settings).collect())
+    }
+
+    /// About how hard surfaces press under this `pressure`, MPa.
+    fn pressing(&self, pressure: f64) -> anyhow::Result<f64> {
+        if pressure == 0.0 {
+            return Ok(SHARE_OF_STIFFNESS * self.material.material()?.shear_modulus());
+        }
+        Ok(pressure.abs())
     }
 }
+
+/// Multiples of a volume or an amount of gas at rest that a part may be driven to.
+const LEAST_RATIO: f64 = 1e-3;
+const LARGEST_RATIO: f64 = 1e6;
 
 /// Beyond, nothing slides.
 const MOST_FRICTION: f64 = 100.0;
@@ -475,5 +548,5 @@ pub(super) fn defaults() -> String {
         verify: None,
     };
     let defaults = toml::to_string(&scene).expect("the defaults are plain numbers and words");
-    defaults + LIST_EXAMPLES
+    annotated(&defaults, &sections::<SceneFile>()) + LIST_EXAMPLES
 }

@@ -7,15 +7,18 @@ use super::closed_part;
 use super::part::PartSource;
 use super::patch_part::{Force, PatchSection};
 use super::scene_file::SceneFile;
+use super::simulate::holds_the_tip;
+use super::walk_progress::WalkProgress;
 use super::watch::{Watch, Watched};
 use super::watch_curve::WatchCurve;
+use crate::fitness;
 use crate::io::{ChamberFound, OwnSolid};
 use crate::math::cpu_seconds;
-use crate::mesh::{Ends, Patch, ShellMesh, ShellSettings, Side, SolidMesh};
+use crate::mesh::{Ends, Patch, ShellMesh, Side, SolidMesh};
 use crate::model::system::{LoadedSystem, System};
 use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads, free_motions};
 use crate::solve::{
-    Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, Stop, follow_from,
+    Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, Stop, follow_watched,
 };
 use crate::surface::TriangleMesh;
 
@@ -28,6 +31,15 @@ pub(super) struct Shape {
     /// What is not done as it may be meant, a line each.
     pub warnings: Vec<String>,
     watches: Vec<Watch>,
+    tip: Option<Tip>,
+}
+
+/// The tip of a clamped part.
+struct Tip {
+    /// Vertices of the surface, ascending.
+    vertices: Vec<u32>,
+    /// Of the part along z at rest, mm.
+    length: f64,
 }
 
 /// The chamber of tetrahedra of one's own.
@@ -89,20 +101,28 @@ impl Shape {
         }
         let mesh = closed_part::shell(scene, source)?;
         let support = closed_part::support(source, &mesh);
-        let planes = scene.plane_settings(scene.load_settings().pressure);
+        let planes = scene.plane_settings(scene.load_settings().pressure)?;
         let model = PartModel::new(&mesh, &scene.material.material()?, &support, &planes)
             .map_err(|rejected| anyhow!("{rejected}"))?;
         let watches = watches_of_closed(scene, &mesh)?;
-        Ok(Self { surface: mesh.surface, model, chamber: None, warnings: Vec::new(), watches })
+        let (chamber, warnings, tip) = (None, Vec::new(), None);
+        Ok(Self { surface: mesh.surface, model, chamber, warnings, watches, tip })
     }
 
-    /// Walks the path of the `scene` until `stop` wants its end, or takes its one linear step.
+    /// What is looked at of its tip, where it has one.
+    pub(super) fn watched(&self) -> Option<fitness::Watched<'_>> {
+        let Tip { vertices, length } = self.tip.as_ref()?;
+        Some(fitness::Watched { surface: &self.surface, tip: vertices, length: *length })
+    }
+
+    /// Walks the path of the `scene` until `stop` wants its end, or takes its one linear step; tells how far it is unless `is_silent`.
     pub(super) fn measure(
         &mut self,
         scene: &SceneFile,
         backend: Backend,
         start: f64,
         stop: Stop<'_>,
+        is_silent: bool,
     ) -> anyhow::Result<Measured> {
         let largest = scene.load_settings();
         let mut solver = backend.solver_by(scene.solver.linear, self.model.pattern())?;
@@ -110,11 +130,12 @@ impl Shape {
             linear_step(&mut self.model, solver.as_mut(), largest.pressure)?
         } else {
             let at_rest = self.model.volume(&vec![0.0; self.model.unknowns()]);
-            let programme = scene.programme(at_rest);
+            let programme = scene.programme(at_rest)?;
             self.model.set_stretch_bound(largest.stretch_bound);
-            let (model, solver) = (&mut self.model, solver.as_mut());
-            let first = f64::INFINITY;
-            follow_from(model, solver, programme, Vec::new(), first, &largest.path, stop)?
+            let mut progress = WalkProgress::new(programme, is_silent);
+            let (model, solver, path) = (&mut self.model, solver.as_mut(), &largest.path);
+            let note = &mut |point: &PathPoint| progress.note(point);
+            follow_watched(model, solver, programme, path, stop, note)?
         };
         let seconds = cpu_seconds() - start;
         Ok(Measured {
@@ -141,23 +162,19 @@ pub(super) fn watches_of_closed(scene: &SceneFile, mesh: &ShellMesh) -> anyhow::
 fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
     let OwnSolid { mesh, chamber, warnings } = solid;
     ensure!(!mesh.chamber.is_empty(), NO_CHAMBER);
-    let ShellSettings { thickness, clamp_height, .. } = scene.wall;
+    let thickness = scene.wall.thickness;
     let (surface, _) = mesh.boundary();
     let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
     let Ends { length, clamp_top, .. } = ends;
     let clamped = mesh.nodes_below(clamp_top);
     ensure!(
         clamped.len() > 3,
-        "the clamp below z = {clamp_top:.3} mm holds {} nodes, fewer than 4; see [wall] clamp_height",
+        "the clamp below z = {clamp_top:.3} mm holds {} nodes, fewer than 4; raise [wall] clamp_height",
         clamped.len()
     );
-    ensure!(
-        clamp_top < ends.tip_bottom && length > 0.0,
-        "the clamp of {:.3} mm reaches the tip of a part of {length:.3} mm; is the file in mm? See [wall]",
-        clamp_height * thickness
-    );
+    ensure!(clamp_top < ends.tip_bottom && length > 0.0, holds_the_tip(clamp_top, ends.tip_bottom));
     let vertices = ends.tip(surface.positions.iter().map(|x| x.z));
-    let planes = scene.plane_settings(scene.load_settings().pressure);
+    let planes = scene.plane_settings(scene.load_settings().pressure)?;
     let held = SolidMesh::unknowns_of(&clamped);
     if let Some(motions) = free_motions(&mesh.positions, &held) {
         bail!(
@@ -168,10 +185,11 @@ fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
     let model = PartModel::of_solid(mesh, thickness, &material, held, &planes)
         .map_err(|rejected| anyhow!("{rejected}"))?;
     let watch = |watched| Watch { watched, vertices: vertices.clone(), length };
-    let sections = scene.watches.iter().map(|section| section.watched().map(watch));
-    let watches = sections.collect::<anyhow::Result<_>>()?;
+    let watches = scene.watches.iter().map(|section| section.watched().map(watch));
+    let watches = watches.collect::<anyhow::Result<_>>()?;
     let chamber = Some(ChamberReport::new(chamber, &model));
-    Ok(Shape { surface, model, chamber, warnings: warnings.clone(), watches })
+    let tip = Some(Tip { vertices, length });
+    Ok(Shape { surface, model, chamber, warnings: warnings.clone(), watches, tip })
 }
 
 /// What is said of tetrahedra with nothing to inflate.
@@ -227,7 +245,7 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
             "[part.patch] can move freely: {motions}; hold it with an [[edge]] or a [[pin]]{of_planes}"
         );
     }
-    loads.planes = scene.plane_settings(loads.mean_pressure(&patch));
+    loads.planes = scene.plane_settings(loads.mean_pressure(&patch))?;
     let material = scene.material.material()?;
     let model = PartModel::of_patch(&patch, scene.wall.element, &material, &loads)
         .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
@@ -243,7 +261,8 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
             Ok(Watch { watched, vertices, length: 0.0 })
         })
         .collect::<anyhow::Result<_>>()?;
-    Ok(Shape { surface: patch.surface, model, chamber: None, warnings: Vec::new(), watches })
+    let (chamber, warnings, tip) = (None, Vec::new(), None);
+    Ok(Shape { surface: patch.surface, model, chamber, warnings, watches, tip })
 }
 
 /// Rest, and the state that the linear theory has at the `largest` load.

@@ -3,31 +3,35 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
 use super::closed_part::shell;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{
-    write_json, write_model_pictures, write_path, write_surface, write_watches,
+    write_json, write_model_pictures, write_pictures, write_surface, write_watches,
 };
 use super::material::instability;
 use super::part::PartFiles;
+use super::path_rows::{LoadKind, ReactionSummary, State, path_table, planes_in_words, states};
 use super::patience::{End, Patience};
 use super::provenance::Provenance;
 use super::scene_file::SceneFile;
 use super::shape::watches_of_closed;
 use super::solid_part::{SolidPart, SolidReport};
+use super::walk_progress::WalkProgress;
 use super::walk_summary::WalkSummary;
 use super::{own_surface, say, simulate_shape, walk_summary, warn};
 use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
 use crate::io::{ChamberChoice, OutputFolder, OwnSolid, atomic, msh, part_file, stl, toml_file};
 use crate::math::{Rejected, cpu_seconds};
-use crate::mesh::ShellMesh;
+use crate::mesh::{ShellMesh, ShellSettings};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
-use crate::solve::{Backend, Ending, Job, Path as Walked, SolveTimes, Stop, follow_from};
+use crate::solve::{
+    Backend, Ending, Job, Path as Walked, PathPoint, SolveTimes, Stop, follow_watched,
+};
 use crate::surface::{SurfaceQuality, TriangleMesh};
 
 /// `summary.json`: the last state of the path, and what it took.
@@ -46,10 +50,10 @@ struct Summary {
     /// mJ.
     work: f64,
     stored_energy: f64,
-    /// N.
-    plane_force: f64,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     planes: Vec<PlaneSummary>,
+    /// Of the clamp on the part.
+    reaction: Option<ReactionSummary>,
     #[serde(flatten)]
     walk: WalkSummary,
     newton_iterations: usize,
@@ -90,10 +94,10 @@ pub(super) fn run(
         return simulate_shape::run(path, &scene, &source, out, json, job, stop);
     }
     let mut mesh = shell(&scene, &source)?;
-    check_tip(&mesh).with_context(|| path.display().to_string())?;
+    check_tip(&mesh, &scene.wall).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
 
-    let planes = scene.plane_settings(scene.load_settings().pressure);
+    let planes = scene.plane_settings(scene.load_settings().pressure)?;
     let material = scene.material.material()?;
     if job.is_first() {
         instability(&material).iter().for_each(|line| warn(line));
@@ -117,7 +121,8 @@ pub(super) fn run(
     }
     let meshing = cpu_seconds() - start;
     let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
-    let walked = walk(&scene, &mut model, stop).with_context(|| path.display().to_string());
+    let walked =
+        walk(&scene, &mut model, stop, !job.is_first()).with_context(|| path.display().to_string());
     let Some((folder, lock)) = claim else { return Ok(End::of(&walked?.0)) };
     let (walked, times) = match walked {
         Ok(walked) if !walked.0.points.is_empty() => walked,
@@ -130,6 +135,7 @@ pub(super) fn run(
     };
     let rows = observations(&mesh, &model, &walked.points);
     let last = rows.last().expect("a walked path has its start");
+    let states = states(&mut model, &walked.points, true);
     let summary = Summary {
         tip: [last.tip_x, last.tip_y, last.tip_z],
         max_displacement: last.max_displacement,
@@ -140,8 +146,8 @@ pub(super) fn run(
         volume_final: last.volume,
         work: last.work,
         stored_energy: last.stored_energy,
-        plane_force: last.plane_force,
-        planes: plane_summaries(&model, &walked.points),
+        planes: plane_summaries(&states),
+        reaction: states.last().and_then(|state| state.reaction).map(Into::into),
         walk: WalkSummary::new(&walked, &model).of_placed(source.placed()),
         newton_iterations: walked.newton_iterations,
         unknowns: model.unknowns(),
@@ -165,8 +171,11 @@ pub(super) fn run(
         msh::write(&folder.file("wall.msh"), &solid.mesh)?;
         write_model_pictures(folder.path(), "solid", &model, &walked.points, source.placed())?;
     }
-    write_path(folder.path(), "path", &mesh, &model, &walked.points, &rows, source.placed())?;
-    write_contact(folder.path(), &model, &walked.points)?;
+    let load = LoadKind::Pressure;
+    path_table(load, &walked.points, &states, &rows).write(&folder.file("path.csv"))?;
+    let placed = source.placed();
+    write_pictures(folder.path(), "path", &mesh.surface, &model, &walked.points, placed)?;
+    write_contact(folder.path(), load, &walked.points, &states)?;
     if !scene.watches.is_empty() {
         let largest = scene.load_settings().pressure;
         let curves: Vec<_> = watches_of_closed(&scene, &mesh)?
@@ -174,11 +183,15 @@ pub(super) fn run(
             .map(|watch| watch.curve(&model, &walked.points, largest))
             .collect();
         let names = scene.watches.iter().map(|watch| watch.name.as_str());
-        write_watches(folder.path(), names.zip(&curves))?;
+        write_watches(folder.path(), load, &walked.points, names.zip(&curves))?;
     }
     write_json(&folder.file("summary.json"), &summary)?;
     lock.remove();
-    say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });
+    say(&if json {
+        serde_json::to_string_pretty(&summary)?
+    } else {
+        summary.in_words(out, &states)
+    });
     Ok(End::of(&walked))
 }
 
@@ -190,14 +203,16 @@ fn walk(
     scene: &SceneFile,
     model: &mut PartModel,
     stop: Stop<'_>,
+    is_silent: bool,
 ) -> anyhow::Result<(Walked, SolveTimes)> {
     let mut solver = scene.solver.backend.solver_by(scene.solver.linear, model.pattern())?;
     let load = scene.load_settings();
     model.set_stretch_bound(load.stretch_bound);
-    let programme = scene.programme(model.volume(&vec![0.0; model.unknowns()]));
+    let programme = scene.programme(model.volume(&vec![0.0; model.unknowns()]))?;
+    let mut progress = WalkProgress::new(programme, is_silent);
     let (solver_ref, settings) = (solver.as_mut(), &load.path);
-    let walked =
-        follow_from(model, solver_ref, programme, Vec::new(), f64::INFINITY, settings, stop)?;
+    let note = &mut |point: &PathPoint| progress.note(point);
+    let walked = follow_watched(model, solver_ref, programme, settings, stop, note)?;
     ensure!(
         !walked.points.is_empty() || walked.ending == Ending::Interrupted,
         "the part is not stable at rest ({}): look at its mesh and its material",
@@ -230,30 +245,41 @@ pub(super) fn read_network(path: &Path) -> anyhow::Result<Network> {
     Network::try_from(draft).with_context(|| path.display().to_string())
 }
 
+/// What is wrong with a clamp up to the height `clamp_top` of a part whose tip begins at the height `tip`, mm.
+pub(super) fn holds_the_tip(clamp_top: f64, tip: f64) -> String {
+    format!(
+        "the clamp holds the tip too: it holds all below z = {clamp_top:.3} mm, and the tip begins at z = {tip:.3} mm; lower [wall] clamp_height or tip_fraction, unless the file is not in mm"
+    )
+}
+
 /// Refuses a clamp that leaves nothing to watch.
-fn check_tip(mesh: &ShellMesh) -> anyhow::Result<()> {
+fn check_tip(mesh: &ShellMesh, wall: &ShellSettings) -> anyhow::Result<()> {
     let held: BTreeSet<u32> =
         mesh.clamp.iter().flat_map(|&v| mesh.rings.ring(v).iter().copied().chain([v])).collect();
-    ensure!(
-        mesh.tip.iter().any(|v| !held.contains(v)),
-        "the clamp holds the tip too, so nothing can bend; lower [wall] clamp_height, or mesh the part finer"
-    );
-    Ok(())
+    if mesh.tip.iter().any(|v| !held.contains(v)) {
+        return Ok(());
+    }
+    let (clamp_top, tip) = (mesh.clamp_top, mesh.base + (1.0 - wall.tip_fraction) * mesh.length);
+    ensure!(clamp_top < tip, holds_the_tip(clamp_top, tip));
+    bail!(
+        "the clamp holds the tip too: the vertices beside those below z = {clamp_top:.3} mm are held with them, and some are the tip, above z = {tip:.3} mm; mesh the part finer"
+    )
 }
 
 impl Summary {
-    fn in_words(&self, out: &Path) -> String {
+    fn in_words(&self, out: &Path, states: &[State]) -> String {
         let ending = self.walk.in_words();
         let solid = self.solid.as_ref().map_or_else(String::new, |solid| solid.in_words() + "\n");
         let [x, y, z] = self.tip;
+        let planes = states.last().map_or_else(String::new, |state| planes_in_words(&state.planes));
+        let held = self.reaction.as_ref().map_or_else(String::new, ReactionSummary::in_words);
         format!(
-            "{ending} at {:.4} MPa: tip moved by ({x:+.3}, {y:+.3}, {z:+.3}) mm, chord {:.2} deg, volume {:.1} -> {:.1} mm^3, plane force {:.3} N\n\
+            "{ending} at {:.4} MPa: tip moved by ({x:+.3}, {y:+.3}, {z:+.3}) mm, chord {:.2} deg, volume {:.1} -> {:.1} mm^3{planes}{held}\n\
              {solid}{} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
             self.pressure,
             self.angle_deg,
             self.volume_initial,
             self.volume_final,
-            self.plane_force,
             self.unknowns,
             self.newton_iterations,
             self.cpu_seconds.total(),

@@ -1,4 +1,4 @@
-//! `simulate` on a part without a tip (a patch, a sphere, an ellipsoid): its path, its watches, its pictures.
+//! `simulate` on a part that is no shell with a tip (a patch, a sphere, an ellipsoid, tetrahedra): its path, its watches, its pictures.
 
 use std::path::Path;
 
@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::contact_rows::{PlaneSummary, plane_summaries, write_contact};
 use super::design_folder::{write_json, write_model_pictures, write_watches};
 use super::part::PartSource;
+use super::path_rows::{LoadKind, ReactionSummary, path_table, planes_in_words, states};
 use super::patience::End;
 use super::provenance::Provenance;
 use super::scene_file::SceneFile;
@@ -15,38 +16,27 @@ use super::shape::{ChamberReport, Measured, Shape};
 use super::simulate::NOTHING_WRITTEN;
 use super::walk_summary::{WalkSummary, check_left_rest};
 use super::{say, warn};
-use crate::fitness::stability;
-use crate::io::{OutputFolder, atomic, csv, stl};
+use crate::fitness::observations;
+use crate::io::{OutputFolder, atomic, stl};
 use crate::math::cpu_seconds;
 use crate::solve::{Backend, Ending, Job, Stop};
-
-/// A row of `path.csv`.
-#[derive(Debug, Serialize)]
-struct Row {
-    step: usize,
-    /// Of a patch: the share of its loads; of a closed part: the pressure, MPa.
-    load: f64,
-    /// mJ.
-    work: f64,
-    stored_energy: f64,
-    /// mm.
-    max_displacement: f64,
-    /// With self-contact: the smallest gap between faces, mm (`inf` above half a thickness), and their force, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    wall_gap: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    self_contact_force: Option<f64>,
-    newton_iterations: usize,
-    /// Steps given up since the row before.
-    step_cuts: usize,
-    /// `stable`, `unstable`, or `snapped` on the way from the row before.
-    stability: &'static str,
-}
 
 /// `summary.json`: the last state of the path, and what it took.
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
-    load: f64,
+    /// Of a closed part, MPa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pressure: Option<f64>,
+    /// Of a patch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load_share: Option<f64>,
+    #[serde(flatten)]
+    tip: Option<TipSummary>,
+    /// Of a closed part, mm^3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume_initial: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume_final: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     chamber: Option<ChamberReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -56,6 +46,9 @@ struct Summary<'a> {
     max_displacement: f64,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     planes: Vec<PlaneSummary>,
+    /// Of all supports on the part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reaction: Option<ReactionSummary>,
     #[serde(flatten)]
     walk: WalkSummary,
     linear: bool,
@@ -64,6 +57,15 @@ struct Summary<'a> {
     solver: Backend,
     cpu_seconds: f64,
     provenance: Provenance,
+}
+
+/// Of a clamped part, as a shell's.
+#[derive(Debug, Serialize)]
+struct TipSummary {
+    /// mm.
+    tip: [f64; 3],
+    angle_deg: f64,
+    tangent_angle_deg: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -93,7 +95,7 @@ pub(super) fn run(
     }
     let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
     let measured = shape
-        .measure(scene, scene.solver.backend, start, stop)
+        .measure(scene, scene.solver.backend, start, stop, !job.is_first())
         .and_then(|measured| check_left_rest(&measured.walked).map(|()| measured))
         .with_context(named);
     let Some((folder, lock)) = claim else { return Ok(End::of(&measured?.walked)) };
@@ -112,41 +114,38 @@ pub(super) fn run(
             return Ok(End::Stopped);
         }
     };
-    let largest_of = |x: &[f64]| {
-        let sizes = shape.model.vertex_displacements(x).into_iter().map(|u| u.norm());
-        sizes.fold(0.0, f64::max)
-    };
-    let has_contact = shape.model.keeps_folds_apart();
-    let rows: Vec<Row> = walked
-        .points
-        .iter()
-        .enumerate()
-        .map(|(step, point)| Row {
-            step,
-            load: point.load,
-            work: point.work,
-            stored_energy: point.stored_energy,
-            max_displacement: largest_of(&point.x),
-            wall_gap: has_contact.then(|| shape.model.smallest_wall_gap(&point.x)),
-            self_contact_force: has_contact.then(|| shape.model.self_contact_force(&point.x)),
-            newton_iterations: point.newton_iterations,
-            step_cuts: point.cuts,
-            stability: stability(point),
-        })
-        .collect();
-    let last = rows.last().expect("it has the start at least");
+    let points = &walked.points;
+    let is_patch = scene.part.patch.is_some();
+    let load = if is_patch { LoadKind::Share } else { LoadKind::Pressure };
+    // What holds a free body only takes its rigid motions away.
+    let are_equilibria = !scene.load.linear && !scene.part.is_free();
+    let states = states(&mut shape.model, points, are_equilibria);
+    let rows = shape
+        .watched()
+        .map_or_else(Vec::new, |watched| observations(watched, &shape.model, points));
+    let (first, last) = (&points[0], &points[points.len() - 1]);
+    let end = states.last().expect("a state for each point");
     let watches = || scene.watches.iter().map(|watch| watch.name.as_str()).zip(&curves);
     let final_values = watches()
         .filter_map(|(name, curve)| Some(Watch { name, value: curve.points.last()?.value }))
         .collect();
     let summary = Summary {
-        load: last.load,
+        pressure: (!is_patch).then_some(last.load),
+        load_share: is_patch.then_some(last.load),
+        tip: rows.last().map(|row| TipSummary {
+            tip: [row.tip_x, row.tip_y, row.tip_z],
+            angle_deg: row.angle_deg,
+            tangent_angle_deg: row.tangent_angle_deg,
+        }),
+        volume_initial: (!is_patch).then_some(first.conjugate),
+        volume_final: (!is_patch).then_some(last.conjugate),
         chamber: shape.chamber.clone(),
         warnings: shape.warnings.clone(),
         watches: final_values,
         stored_energy: last.stored_energy,
-        max_displacement: last.max_displacement,
-        planes: plane_summaries(&shape.model, &walked.points),
+        max_displacement: end.max_displacement,
+        planes: plane_summaries(&states),
+        reaction: end.reaction.map(Into::into),
         walk: WalkSummary::new(&walked, &shape.model).of_placed(source.placed()),
         linear: scene.load.linear,
         newton_iterations: walked.newton_iterations,
@@ -158,34 +157,46 @@ pub(super) fn run(
     atomic::write(&folder.file("scene.toml"), toml::to_string(scene)?.as_bytes())?;
     source.placed().put_back(&mut shape.surface.positions);
     stl::write(&folder.file("surface.stl"), &shape.surface)?;
-    csv::write(&folder.file("path.csv"), &rows)?;
-    write_contact(folder.path(), &shape.model, &walked.points)?;
-    write_watches(folder.path(), watches())?;
-    write_model_pictures(folder.path(), "path", &shape.model, &walked.points, source.placed())?;
+    path_table(load, points, &states, &rows).write(&folder.file("path.csv"))?;
+    write_contact(folder.path(), load, points, &states)?;
+    write_watches(folder.path(), load, points, watches())?;
+    write_model_pictures(folder.path(), "path", &shape.model, points, source.placed())?;
     write_json(&folder.file("summary.json"), &summary)?;
     lock.remove();
-    say(&if json { serde_json::to_string_pretty(&summary)? } else { summary.in_words(out) });
+    say(&if json {
+        serde_json::to_string_pretty(&summary)?
+    } else {
+        summary.in_words(out, &planes_in_words(&end.planes))
+    });
     Ok(End::of(&walked))
 }
 
 impl Summary<'_> {
-    fn in_words(&self, out: &Path) -> String {
-        let watches: Vec<String> = self
-            .watches
-            .iter()
-            .map(|watch| format!("{} = {:.6e}", watch.name, watch.value))
-            .collect();
+    fn in_words(&self, out: &Path, planes: &str) -> String {
+        let load = match (self.load_share, self.pressure) {
+            (Some(share), _) => format!("load share {share:.4}"),
+            (None, pressure) => format!("{:.4} MPa", pressure.unwrap_or_default()),
+        };
+        let tip =
+            self.tip.as_ref().map_or_else(String::new, |TipSummary { tip, angle_deg, .. }| {
+                let [x, y, z] = tip;
+                format!("tip moved by ({x:+.3}, {y:+.3}, {z:+.3}) mm, chord {angle_deg:.2} deg, ")
+            });
+        let volume = match (self.volume_initial, self.volume_final) {
+            (Some(at_rest), Some(last)) => format!(", volume {at_rest:.1} -> {last:.1} mm^3"),
+            _ => String::new(),
+        };
+        let held = self.reaction.as_ref().map_or_else(String::new, ReactionSummary::in_words);
+        let watch = |watch: &Watch<'_>| format!(", {} = {:.6e}", watch.name, watch.value);
+        let watches: String = self.watches.iter().map(watch).collect();
         let chamber =
             self.chamber.as_ref().map_or_else(String::new, |chamber| chamber.in_words() + "\n");
         format!(
-            "{} at load {:.4}: largest displacement {:.4e} mm, stored energy {:.4e} mJ{}{}\n\
+            "{} at {load}: {tip}largest displacement {:.4e} mm, stored energy {:.4e} mJ{volume}{planes}{held}{watches}\n\
              {chamber}{} unknowns, {} Newton iterations, {:.2} CPU s ({:?}); results in {}",
             self.walk.in_words(),
-            self.load,
             self.max_displacement,
             self.stored_energy,
-            if watches.is_empty() { "" } else { ", " },
-            watches.join(", "),
             self.unknowns,
             self.newton_iterations,
             self.cpu_seconds,

@@ -1,6 +1,7 @@
 //! `[solid]`: the wall of a closed part in tetrahedra, made without a human.
 
 use anyhow::{anyhow, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::material::within;
@@ -20,7 +21,7 @@ use crate::model::material::Material;
 use crate::surface::{SignedDistance, TriangleMesh};
 
 /// How a wall becomes tetrahedra, and what its answers say of the shell's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct SolidSection {
     /// Edge length on the wall's faces, mm.
@@ -28,7 +29,7 @@ pub(super) struct SolidSection {
     /// Elements through the wall; by default as many as make them as high as wide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<usize>,
-    /// `tetgen` or `gmsh`; by default the one and then the other.
+    /// Which program makes the tetrahedra; by default the one and then the other.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesher: Option<MesherName>,
     /// For certificates: how many times longer the edges of a second solid are, by which the first is judged.
@@ -51,7 +52,7 @@ impl Default for SolidSection {
 }
 
 /// A program that makes tetrahedra.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum MesherName {
     Tetgen,

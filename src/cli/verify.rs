@@ -52,6 +52,7 @@ struct Row {
     newton_iterations: usize,
     watch: String,
     /// Share of the load at which the error is largest.
+    #[serde(rename = "load_share")]
     load: f64,
     measured: f64,
     reference: f64,
@@ -232,7 +233,7 @@ fn measure(
     let start = cpu_seconds();
     let source = scene.part.source(Path::new("verify/shells/case.toml"), &BuiltIn)?;
     let mut shape = Shape::new(&scene, &source)?;
-    let measured = shape.measure(&scene, solver, start, Stop::NEVER)?;
+    let measured = shape.measure(&scene, solver, start, Stop::NEVER, true)?;
     if measured.walked.points.is_empty() {
         bail!("not stable at rest: {}", measured.walked.ending.name().replace('_', " "));
     }

@@ -38,6 +38,9 @@ pub(super) struct VerifySection {
     /// By how much the solvers may differ in the load reached and in a watch, as a share of its largest value.
     #[serde(default = "smooth_agreement")]
     pub agreement: f64,
+    /// Where a volume or gas is given: the pressure of which loads are shares, MPa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<f64>,
     /// By how much a watch may miss its reference, % of the largest reference value; for parts on their own mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
@@ -147,6 +150,13 @@ impl VerifySection {
             let refined = scene.with_mesh(mesh)?;
             refined.check().with_context(|| format!("[verify] mesh {mesh}"))?;
         }
+        if let Some(pressure) = self.pressure {
+            positive("[verify] pressure", pressure)?;
+            ensure!(
+                scene.load.pressure.is_none(),
+                "[verify] pressure is for scenes in which [load] has none; take it away"
+            );
+        }
         for accepted in &self.accept {
             positive("[[verify.accept]] error", accepted.error)?;
             ensure!(
@@ -173,8 +183,8 @@ impl VerifySection {
             );
             if *curve {
                 ensure!(
-                    scene.load.curve || scene.load.volume.is_some(),
-                    "{what}: a curve wants [load] curve or volume, to be traced"
+                    scene.load.curve || scene.load.volume_ratio.is_some(),
+                    "{what}: a curve wants [load] curve or volume_ratio, to be traced"
                 );
                 ensure!(
                     load.iter().all(|v| v.is_finite()) && load.iter().any(|v| *v != 0.0),

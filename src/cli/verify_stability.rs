@@ -52,6 +52,7 @@ struct Row {
     expected: String,
     ending: String,
     /// Share of the programme at the last state.
+    #[serde(rename = "load_share")]
     load: f64,
     snaps: usize,
     newton_iterations: usize,
@@ -194,7 +195,7 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
         Ok(made) => made,
         Err(error) => return without_path(REJECTED, format!("{error:#}")),
     };
-    match shape.measure(&scene, solver, start, Stop::NEVER) {
+    match shape.measure(&scene, solver, start, Stop::NEVER, true) {
         Ok(mut measured) => Ran {
             ending: measured.walked.ending.name().to_owned(),
             message: None,
@@ -211,7 +212,8 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
 fn progress(scene: &SceneFile, measured: &mut Measured) -> f64 {
     let points = &measured.walked.points;
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return 0.0 };
-    let (start, end) = match scene.programme(first.conjugate) {
+    let programme = scene.programme(first.conjugate).expect("its path was walked");
+    let (start, end) = match programme {
         Programme::Driven { supply: Supply::Load, end } | Programme::Curve { end } => {
             return last.load / end;
         }

@@ -1,6 +1,7 @@
 //! `[[watch]]`: numbers that are followed along a path.
 
 use anyhow::{bail, ensure};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::watch_curve::{CurvePoint, WatchCurve};
@@ -9,9 +10,10 @@ use crate::model::PartModel;
 use crate::solve::PathPoint;
 
 /// `[[watch]]`: a vertex or the tip along a direction, or something of the part as a whole.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WatchSection {
+    /// Of the number, in tables and messages.
     pub name: String,
     /// `s` and `t` of a vertex of a patch.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -25,7 +27,7 @@ pub(super) struct WatchSection {
 }
 
 /// What can be measured without naming a vertex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Measure {
     /// Mean displacement of the tip set along `direction`, mm.
@@ -101,7 +103,9 @@ impl WatchSection {
                 bail!("[[watch]] {name}: `at` wants a [part.patch], which alone has `s` and `t`")
             }
             Watched::Tip { .. } | Watched::ChordAngle if part != Watchable::Actuator => {
-                bail!("[[watch]] {name}: only a network or an STL file is clamped and has a tip")
+                bail!(
+                    "[[watch]] {name}: only a network, an STL file or tetrahedra are clamped and have a tip"
+                )
             }
             Watched::VolumeGrowth | Watched::VolumeStrain if part == Watchable::Patch => {
                 bail!("[[watch]] {name}: a patch encloses no volume")

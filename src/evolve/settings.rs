@@ -1,16 +1,17 @@
 //! What a user may choose about evolution.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The settings of NSGA-II; every default is meant to be used.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Nsga2Settings {
     /// Individuals in a generation.
     pub population: usize,
     /// Generations, the random first one included: `population * generations` evaluations in all.
     pub generations: usize,
-    /// Of all chance in the run.
+    /// The seed of all chance in the run.
     pub seed: u64,
     /// How a child is made from its parents.
     pub breeding: Breeding,
@@ -41,7 +42,7 @@ pub struct Nsga2Settings {
 }
 
 /// How a child is made from its parents.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Breeding {
     /// Either mixed from two parents or mutated from one, in shares that switch during the run.
@@ -55,7 +56,7 @@ pub enum Breeding {
 }
 
 /// How two parents are mixed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Crossover {
     /// Simulated binary crossover.
@@ -65,7 +66,7 @@ pub enum Crossover {
 }
 
 /// How one parent is changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mutation {
     /// Some genes, each by a polynomially distributed step.
@@ -75,7 +76,7 @@ pub enum Mutation {
 }
 
 /// Who lives on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Survival {
     /// The best fronts, whole as far as they fit: Deb et al. (2002).

@@ -101,10 +101,11 @@ impl CompiledNetwork {
         for (i, step) in self.instructions[from..to].iter().enumerate() {
             let links = &self.links[step.first_link..step.link_end];
             let mut weighted = links.iter().map(|&(slot, weight)| slots[slot].scaled(weight));
-            let first = weighted.next().expect("a checked node has a link");
-            let total = match step.aggregation {
-                Aggregation::Sum => weighted.fold(first, Q::plus),
-                Aggregation::Product => weighted.fold(first, Q::times),
+            let total = match (weighted.next(), step.aggregation) {
+                (Some(first), Aggregation::Sum) => weighted.fold(first, Q::plus),
+                (Some(first), Aggregation::Product) => weighted.fold(first, Q::times),
+                (None, Aggregation::Sum) => Q::constant(0.0),
+                (None, Aggregation::Product) => Q::constant(1.0),
             };
             slots[INPUTS + from + i] = total.activated(step.activation).shifted(step.bias);
         }

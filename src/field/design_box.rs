@@ -1,11 +1,12 @@
 //! The box in which an actuator's mid-surface must lie.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::math::Vec3;
 
 /// A box with sides along the axes, mm; z is the long axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Corners", into = "Corners")]
 pub struct DesignBox {
     min: Vec3,
@@ -21,10 +22,12 @@ pub struct DesignBoxError {
 }
 
 /// As written in a run file.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Corners {
+    /// The corner with the smallest x, y and z, mm.
     min: [f64; 3],
+    /// The corner with the largest, mm.
     max: [f64; 3],
 }
 

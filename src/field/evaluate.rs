@@ -427,4 +427,41 @@ mod tests {
         let without: Network = text.parse().unwrap();
         assert_eq!(CompiledNetwork::new(&with_dead), CompiledNetwork::new(&without));
     }
+
+    /// `x (0.5 + tanh 0 + 1 / (1 + exp 0)) - exp(-1)`: constants with an activation, of an empty sum and of an empty product.
+    #[test]
+    fn nodes_without_links_are_constants() {
+        let text = "
+            [[node]]
+            name = 'half'
+            bias = 0.5
+            [[node]]
+            name = 'flat'
+            activation = 'sigmoid'
+            links = {}
+            [[node]]
+            name = 'bell'
+            activation = 'gaussian'
+            aggregation = 'product'
+            [[node]]
+            name = 'slope'
+            links = { half = 1, flat = 1 }
+            [[node]]
+            name = 'product'
+            aggregation = 'product'
+            links = { x = 1, slope = 1 }
+            [[node]]
+            name = 'out'
+            links = { product = 1, bell = -1 }";
+        let network: Network = text.parse().unwrap();
+        assert_eq!(network.to_toml().parse::<Network>().unwrap(), network);
+        let field = CompiledNetwork::new(&network);
+        // x is in cm.
+        let (value, gradient) = field.value_and_gradient(Vec3::new(20.0, 3.0, -4.0));
+        assert_abs_diff_eq!(value, 2.0 - (-1.0_f64).exp(), epsilon = 1e-15);
+        assert_abs_diff_eq!(gradient, Vec3::new(0.1, 0.0, 0.0), epsilon = 1e-15);
+        let constant: Network = "[[node]]\nname = 'c'\nbias = -1".parse().unwrap();
+        let field = CompiledNetwork::new(&constant);
+        assert_eq!(field.value_and_gradient(Vec3::new(1.0, 2.0, 3.0)), (-1.0, Vec3::zeros()));
+    }
 }

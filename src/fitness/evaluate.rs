@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::exploit::{Exploit, exploits, flags};
@@ -21,7 +22,7 @@ use crate::model::{DEFAULT_STRETCH_BOUND, PartModel, Support};
 use crate::solve::{Backend, Ending, Path, PathPoint, PathSettings, SolveTimes, Stop, follow_from};
 
 /// The loading programme.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LoadSettings {
     /// Largest chamber pressure, MPa.
@@ -39,7 +40,7 @@ impl Default for LoadSettings {
 }
 
 /// What the objectives ask.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitnessSettings {
     /// Exponent of the work in `F_c`.
@@ -51,6 +52,7 @@ pub struct FitnessSettings {
     /// Whether a design with an [`Exploit`] is rejected instead of flagged.
     pub exclude_exploits: bool,
     /// What is asked besides bending and blocking.
+    #[schemars(with = "Vec<String>")]
     pub further_objectives: Vec<FurtherObjective>,
 }
 

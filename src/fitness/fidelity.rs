@@ -8,13 +8,14 @@
 //! Angles are the chord's, forces the plane's; work and growth are those of the chamber's volume, which is the same for the
 //! mid-surface and for the chamber itself as far as the wall keeps its volume.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::evaluate::Scenarios;
 use super::observation::Observation;
 
 /// What a deviation means.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FidelitySettings {
     /// Up to this largest deviation the shell is trusted.

@@ -21,5 +21,5 @@ pub use exploit::{Exploit, flags};
 pub use fidelity::{Certificate, FidelitySettings, Verdict};
 pub use further::{FurtherObjective, Reading, Sense, UnknownObjective};
 pub use objective::{bending, blocking, figure_of_merit};
-pub use observation::{Observation, observations, stability};
+pub use observation::{Observation, Watched, observations, stability};
 pub use outcome::{Outcome, StageSeconds, Unevaluated};

@@ -15,6 +15,7 @@ use crate::math::Vec3;
 use crate::mesh::ShellMesh;
 use crate::model::PartModel;
 use crate::solve::PathPoint;
+use crate::surface::TriangleMesh;
 
 /// One row of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -96,21 +97,43 @@ pub fn stability(point: &PathPoint) -> &'static str {
     }
 }
 
+/// What is looked at of a clamped part: its surface, and where the tip is.
+#[derive(Clone, Copy, Debug)]
+pub struct Watched<'a> {
+    /// Whose vertices the model shows.
+    pub surface: &'a TriangleMesh,
+    /// Vertices whose mean motion is the motion of the tip, ascending.
+    pub tip: &'a [u32],
+    /// Of the part along z at rest, mm.
+    pub length: f64,
+}
+
+impl<'a> From<&'a ShellMesh> for Watched<'a> {
+    fn from(mesh: &'a ShellMesh) -> Self {
+        Self { surface: &mesh.surface, tip: &mesh.tip, length: mesh.length }
+    }
+}
+
 /// The rows of a path, the first at rest.
 #[must_use]
-pub fn observations(mesh: &ShellMesh, model: &PartModel, points: &[PathPoint]) -> Vec<Observation> {
-    let facets = tip_facets(mesh);
-    let tip_normal = area_vector(&facets, &mesh.surface.positions);
+pub fn observations<'a>(
+    watched: impl Into<Watched<'a>>,
+    model: &PartModel,
+    points: &[PathPoint],
+) -> Vec<Observation> {
+    let watched = watched.into();
+    let facets = tip_facets(&watched);
+    let tip_normal = area_vector(&facets, &watched.surface.positions);
     let (mut chord, mut tangent) = (Turning::default(), Turning::default());
     let axis = tip_normal.normalize();
     let has_contact = model.keeps_folds_apart();
     let observe = |(step, point): (usize, &PathPoint)| {
         let displacements = model.vertex_displacements(&point.x);
-        let sum: Vec3 = mesh.tip.iter().map(|&v| displacements[v as usize]).sum();
-        let tip = sum / mesh.tip.len() as f64;
-        let angle = chord.angle(Vec3::new(tip.x, tip.y, 0.0), mesh.length + tip.z);
+        let sum: Vec3 = watched.tip.iter().map(|&v| displacements[v as usize]).sum();
+        let tip = sum / watched.tip.len() as f64;
+        let angle = chord.angle(Vec3::new(tip.x, tip.y, 0.0), watched.length + tip.z);
         let deformed: Vec<Vec3> =
-            mesh.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
+            watched.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
         let normal = area_vector(&facets, &deformed);
         let along = axis.dot(&normal);
         Observation {
@@ -157,9 +180,9 @@ impl Turning {
 }
 
 /// The facets whose corners all belong to the tip set; those with one such corner where a tip is so sharp that there are none.
-fn tip_facets(mesh: &ShellMesh) -> Vec<[u32; 3]> {
-    let in_tip = |v: &u32| mesh.tip.binary_search(v).is_ok();
-    let triangles = mesh.surface.triangles.iter().copied();
+fn tip_facets(watched: &Watched<'_>) -> Vec<[u32; 3]> {
+    let in_tip = |v: &u32| watched.tip.binary_search(v).is_ok();
+    let triangles = watched.surface.triangles.iter().copied();
     let inner: Vec<_> = triangles.clone().filter(|corners| corners.iter().all(in_tip)).collect();
     if inner.is_empty() {
         return triangles.filter(|corners| corners.iter().any(in_tip)).collect();
@@ -192,7 +215,7 @@ mod tests {
         let tip_of = |tip_fraction| {
             let settings = ShellSettings { tip_fraction, ..ShellSettings::default() };
             let mesh = ShellMesh::new(TriangleMesh::sphere(10.0, 2), &settings).unwrap();
-            let facets = tip_facets(&mesh);
+            let facets = tip_facets(&(&mesh).into());
             (mesh.tip.len(), facets.len(), area_vector(&facets, &mesh.surface.positions))
         };
         let (vertices, facets, direction) = tip_of(1e-9);

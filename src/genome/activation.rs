@@ -1,13 +1,15 @@
 //! The functions that a node may apply to its weighted inputs.
 //!
-//! The set is that of the lab's published tools (CPPN2sim, SoRoForge and the CASE 2021 library).
+//! The set is that of the lab's published tools (CPPN2sim, SoRoForge and the CASE 2021 library), and what other tools
+//! for such networks draw from (Stanley 2007, the HyperNEAT family): the hyperbolic tangent, the logistic function, a bell and `|s|`.
 //! Every function is defined on all real numbers: where the textbook function is not,
 //! the argument is clamped to its domain and the derivatives there are 0.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A node's function of one number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Activation {
     /// `s`
@@ -33,6 +35,14 @@ pub enum Activation {
     SquareRoot,
     /// `atan(20 sin s)`, a square wave with soft edges
     Atsn,
+    /// `tanh s`
+    Tanh,
+    /// `1 / (1 + exp(-s))`
+    Sigmoid,
+    /// `exp(-s^2)`
+    Gaussian,
+    /// `|s|`; its slope at 0 counts as 0
+    Abs,
 }
 
 impl Activation {
@@ -58,6 +68,10 @@ impl Activation {
             }
             Self::SquareRoot => s.max(0.0).sqrt(),
             Self::Atsn => (20.0 * s.sin()).atan(),
+            Self::Tanh => s.tanh(),
+            Self::Sigmoid => logistic(s),
+            Self::Gaussian => (-s * s).exp(),
+            Self::Abs => s.abs(),
         }
     }
 
@@ -86,6 +100,23 @@ impl Activation {
                 let slope = 1.0 / (1.0 + u * u);
                 [du * slope, -u * slope - 2.0 * u * (du * slope) * (du * slope)]
             }
+            Self::Tanh => {
+                let t = s.tanh();
+                let slope = 1.0 - t * t;
+                [slope, -2.0 * t * slope]
+            }
+            Self::Sigmoid => {
+                let [y, rest] = [logistic(s), logistic(-s)];
+                [y * rest, y * rest * (rest - y)]
+            }
+            // Where the bell is 0, so is what s^2 would make of it.
+            Self::Gaussian if s.abs() > GAUSSIAN_REACH => [0.0, 0.0],
+            Self::Gaussian => {
+                let bell = (-s * s).exp();
+                [-2.0 * s * bell, (4.0 * s * s - 2.0) * bell]
+            }
+            Self::Abs if s == 0.0 => [0.0, 0.0],
+            Self::Abs => [s.signum(), 0.0],
         }
     }
 }
@@ -98,14 +129,20 @@ fn arcsine_derivatives(s: f64) -> [f64; 2] {
     [slope, s * slope * slope * slope]
 }
 
+fn logistic(s: f64) -> f64 {
+    1.0 / (1.0 + (-s).exp())
+}
+
 const LEAST_DIVISOR: f64 = 1e-9;
+/// `exp(-s^2)` is 0 from 27.3 on.
+const GAUSSIAN_REACH: f64 = 30.0;
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const ALL: [Activation; 11] = [
+    const ALL: [Activation; 15] = [
         Activation::Identity,
         Activation::Sine,
         Activation::Cosine,
@@ -117,6 +154,10 @@ mod tests {
         Activation::Inverse,
         Activation::SquareRoot,
         Activation::Atsn,
+        Activation::Tanh,
+        Activation::Sigmoid,
+        Activation::Gaussian,
+        Activation::Abs,
     ];
 
     #[test]
@@ -133,6 +174,32 @@ mod tests {
                 assert_relative_eq!(second, curvature, epsilon = 1e-3, max_relative = 1e-4);
             }
         }
+    }
+
+    /// Abramowitz & Stegun, tables 4.15 and 7.1: tanh 0.5, exp(-0.25); the logistic function is `(1 + tanh(s / 2)) / 2`.
+    #[test]
+    fn bells_and_steps_have_their_tabulated_values() {
+        let rows = [
+            (Activation::Tanh, 0.5, 0.462_117_157_260_009_8),
+            (Activation::Sigmoid, 1.0, 0.731_058_578_630_004_9),
+            (Activation::Sigmoid, -1.0, 0.268_941_421_369_995_1),
+            (Activation::Gaussian, -0.5, 0.778_800_783_071_404_9),
+            (Activation::Abs, -0.25, 0.25),
+        ];
+        for (activation, s, exact) in rows {
+            assert_relative_eq!(activation.value(s), exact, max_relative = 1e-15);
+        }
+        // Far out they are flat, without a number that is none: 0 times an infinity.
+        for activation in [Activation::Tanh, Activation::Sigmoid, Activation::Gaussian] {
+            for s in [-1e200, -800.0, 800.0, 1e200] {
+                assert_eq!(
+                    activation.derivatives(s).map(f64::abs),
+                    [0.0; 2],
+                    "{activation:?}({s})"
+                );
+            }
+        }
+        assert_eq!([-0.0, 0.0, -2.0].map(|s| Activation::Abs.derivatives(s)[0]), [0.0, 0.0, -1.0]);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! theta       = atan2(y, x) in (-pi, pi],   r = sqrt(x^2 + y^2),   z = the long axis
 //! ```
 //! The bias is added after the activation, as in the lab's CPPN2sim and SoRoForge (2022).
+//! A node without links is a constant: an empty sum is 0, an empty product 1.
 //! A [`Network`] is checked when it is made and cannot be wrong afterwards.
 //! The value is an implicit function and not a distance; the cavity is where it is below 0.
 
@@ -13,6 +14,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::activation::Activation;
@@ -36,7 +38,7 @@ pub struct Node {
     pub activation: Activation,
     /// How the weighted sources are joined.
     pub aggregation: Aggregation,
-    /// At least one, ordered by the source's name.
+    /// Ordered by the source's name; a node without any is a constant.
     pub links: Vec<Link>,
     /// Added after the activation.
     pub bias: f64,
@@ -61,7 +63,7 @@ pub enum Source {
 }
 
 /// How a node joins its weighted sources.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Aggregation {
     /// Their sum.
@@ -107,9 +109,6 @@ pub enum NetworkError {
     /// Two nodes of one name.
     #[error("two nodes are named `{0}`")]
     Duplicate(String),
-    /// A node that computes nothing.
-    #[error("node `{0}` has no links")]
-    NoLinks(String),
     /// A link from nowhere.
     #[error("node `{node}` links from `{from}`, which is neither a coordinate nor a node{hint}")]
     UnknownSource {
@@ -255,9 +254,6 @@ fn node_indices(nodes: &[NodeDraft]) -> Result<BTreeMap<&str, usize>, NetworkErr
 
 fn checked_node(node: &NodeDraft, indices: &BTreeMap<&str, usize>) -> Result<Node, NetworkError> {
     let name = &node.name;
-    if node.links.is_empty() {
-        return Err(NetworkError::NoLinks(name.clone()));
-    }
     check_finite(node.bias, || format!("the bias of node `{name}`"))?;
     let mut links = Vec::with_capacity(node.links.len());
     for (from, &weight) in &node.links {
@@ -423,7 +419,6 @@ mod tests {
         let node = |name: &str, links: &str| format!("[[node]]\nname='{name}'\nlinks={links}\n");
         let cases = [
             (String::new(), "the network has no [[node]]"),
-            (node("a", "{}"), "node `a` has no links"),
             (node("a", "{ b = 1 }") + &node("b", "{ a = 1 }"), "cycle: a -> b -> a"),
             (node("a", "{ a = 1 }"), "cycle: a -> a"),
             (node("a", "{ x = 1 }") + &node("a", "{ y = 1 }"), "two nodes are named `a`"),

@@ -11,7 +11,7 @@
 //! name = "pleats"
 //! activation = "cosine"     # identity if not given
 //! aggregation = "sum"       # or "product", over weight * source; sum if not given
-//! links = { z = 3.2 }       # source = weight; a source is a coordinate or another node
+//! links = { z = 3.2 }       # source = weight; a source is a coordinate or another node; a constant if not given
 //! bias = -0.6               # added AFTER the activation; 0 if not given
 //!
 //! [[node]]
@@ -22,19 +22,20 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::activation::Activation;
 use super::network::{Aggregation, Coordinate, Network, Source};
 
 /// A network file: becomes a [`Network`] by `Network::try_from`, which checks it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkDraft {
     /// The length in mm of one unit of x, y, z and r.
     #[serde(default = "centimetre")]
     pub length_unit_mm: f64,
-    /// The name of the node whose value is the field; the last of `nodes` if `None`.
+    /// The name of the node whose value is the field; the last node of the file where it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output: Option<String>,
     /// What is added to each coordinate.
@@ -46,7 +47,7 @@ pub struct NetworkDraft {
 }
 
 /// What is added to each coordinate before any node sees it (length units; theta in radians).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct InputBiases {
     /// Across.
@@ -62,7 +63,7 @@ pub struct InputBiases {
 }
 
 /// One node: `activation(aggregation of weight * source) + bias`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NodeDraft {
     /// Letters, digits, `_` and `-`; not a coordinate's name.
@@ -73,7 +74,8 @@ pub struct NodeDraft {
     /// How the weighted sources are joined.
     #[serde(default)]
     pub aggregation: Aggregation,
-    /// Weight of each source.
+    /// Weight of each source; without any the node is a constant.
+    #[serde(default)]
     pub links: BTreeMap<String, f64>,
     /// Added after the activation.
     #[serde(default)]

@@ -22,6 +22,70 @@ pub fn write<T: Serialize>(path: &Path, rows: &[T]) -> Result<(), OutputError> {
     atomic::write(path, &bytes)
 }
 
+/// A table whose columns are only known when it is made.
+#[derive(Clone, Debug, Default)]
+pub struct Table<'a> {
+    columns: Vec<(String, Vec<Cell<'a>>)>,
+}
+
+/// What stands in a row of a [`Table`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Cell<'a> {
+    /// How many.
+    Count(usize),
+    /// A number, in the unit of its column's name.
+    Number(f64),
+    /// A word.
+    Word(&'a str),
+    /// Yes or no.
+    Flag(bool),
+    /// An empty cell.
+    Nothing,
+}
+
+impl<'a> Table<'a> {
+    /// Adds a column on the right, a cell of it for each row.
+    ///
+    /// # Panics
+    /// When the column is not as long as those before.
+    pub fn push(&mut self, name: impl Into<String>, cells: impl IntoIterator<Item = Cell<'a>>) {
+        let (name, cells): (String, Vec<Cell<'a>>) = (name.into(), cells.into_iter().collect());
+        let rows = self.columns.first().map_or(cells.len(), |(_, cells)| cells.len());
+        assert_eq!(cells.len(), rows, "{name}: a cell for each row");
+        self.columns.push((name, cells));
+    }
+
+    /// Adds a column of numbers, as [`Self::push`].
+    ///
+    /// # Panics
+    /// As [`Self::push`].
+    pub fn push_numbers(
+        &mut self,
+        name: impl Into<String>,
+        numbers: impl IntoIterator<Item = f64>,
+    ) {
+        self.push(name, numbers.into_iter().map(Cell::Number));
+    }
+
+    /// Writes the table as the CSV file `path`, whole or not at all.
+    ///
+    /// # Errors
+    /// [`OutputError`] when the file system refuses.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        let unwritable = |error: csv::Error| OutputError::unwritable(path, &error);
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        writer.write_record(self.columns.iter().map(|(name, _)| name)).map_err(unwritable)?;
+        let rows = self.columns.first().map_or(0, |(_, cells)| cells.len());
+        for row in 0..rows {
+            let cells: Vec<Cell<'_>> = self.columns.iter().map(|(_, cells)| cells[row]).collect();
+            writer.serialize(cells).map_err(unwritable)?;
+        }
+        let bytes = writer.into_inner().map_err(|error| OutputError::unwritable(path, &error))?;
+        atomic::write(path, &bytes)
+    }
+}
+
 /// The rows of the CSV `text`; `path` is named in errors. Lines that begin with `#` are comments.
 ///
 /// # Errors
@@ -61,6 +125,21 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         assert_eq!(text, "label,force\n\"a, \"\"b\"\"\",0.30000000000000004\nc,\n");
         assert_eq!(parse::<Row>(&text, &path).unwrap(), rows);
+    }
+
+    #[test]
+    fn columns_stand_beside_each_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        let mut table = Table::default();
+        table.push("step", [Cell::Count(0), Cell::Count(1)]);
+        table.push_numbers("force_N", [0.1 + 0.2, f64::INFINITY]);
+        table.push("stability", [Cell::Word("stable"), Cell::Word("a, b")]);
+        table.push("is_sample", [Cell::Flag(true), Cell::Nothing]);
+        table.write(&path).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let rows = "0,0.30000000000000004,stable,true\n1,inf,\"a, b\",\n";
+        assert_eq!(text, format!("step,force_N,stability,is_sample\n{rows}"));
     }
 
     #[test]

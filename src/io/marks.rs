@@ -4,6 +4,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Groups of elements of one dimension.
@@ -28,7 +29,7 @@ pub(super) struct Group {
 }
 
 /// A physical group as a user calls it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "the name of a physical group, or its number")]
 pub enum GroupKey {
     /// Its number.

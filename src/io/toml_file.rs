@@ -68,6 +68,14 @@ fn in_plain_words(message: &str) -> String {
         "f64" => "a number",
         "usize" | "u64" | "u32" => "a whole number, 0 or more",
         "a sequence" if found.contains("map") => "a list, written [[name]] with two brackets",
+        "a sequence" => "a list, written [ .. ]",
+        "path string" => "the name of a file, in quotes",
+        "a string" => "a word, in quotes",
+        "a boolean" => "true or false",
+        _ if expected.starts_with("struct ") => "a section, [name] with its keys below",
+        _ if expected.starts_with("enum ") || expected == "string or table" => {
+            "one of its words, in quotes"
+        }
         other => other,
     };
     format!("{found}expected {words}")

@@ -1,5 +1,6 @@
 //! From a field to a shell mesh: isosurface, chamber check, remeshing.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{ShellMesh, ShellSettings};
@@ -28,7 +29,7 @@ use crate::surface::{Chamber, RemeshSettings, TriangleMesh, isosurface, remesh};
 /// Angles are those of the genomes that bend by more than a degree. The errors do not fall evenly, because finer
 /// triangles also follow the field into creases that coarser ones round. Sharp-edged parts such as `pneunet`, and the
 /// designs of a front, deserve a second look at 2 mm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshSettings {
     /// Edge length of the shell's triangles, mm.

@@ -13,6 +13,7 @@
 //! (0,0) - - (n,0)
 //! ```
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Rings, Stencil};
@@ -20,7 +21,9 @@ use crate::math::{Rejected, Room, Vec3};
 use crate::surface::TriangleMesh;
 
 /// A side of the lattice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
     /// Where `s` is least.

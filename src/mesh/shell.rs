@@ -1,5 +1,6 @@
 //! The mesh of a shell: a closed mid-surface, its thickness, and the vertices that are held or watched.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Ends, Rings, Stencil};
@@ -7,7 +8,7 @@ use crate::math::{Rejected, Room};
 use crate::surface::TriangleMesh;
 
 /// The finite element of a shell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShellElement {
     /// Loop's subdivision surface: the accurate one.
@@ -18,7 +19,7 @@ pub enum ShellElement {
 }
 
 /// How a mid-surface becomes a shell.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShellSettings {
     /// Wall thickness, mm; the surface is the middle of the wall.
@@ -27,7 +28,7 @@ pub struct ShellSettings {
     pub clamp_height: f64,
     /// Length of the tip set below the highest vertex, as a fraction of the length along z.
     pub tip_fraction: f64,
-    /// `loop` or `mid-edge`.
+    /// The finite element of the wall.
     pub element: ShellElement,
 }
 

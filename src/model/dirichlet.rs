@@ -44,6 +44,12 @@ impl Dirichlet {
         Self::new(pattern, self.held.clone())
     }
 
+    /// The unknowns that are held, ascending.
+    #[must_use]
+    pub fn unknowns(&self) -> &[u32] {
+        &self.held
+    }
+
     /// How many unknowns are held.
     #[must_use]
     pub fn held(&self) -> usize {

@@ -101,6 +101,7 @@ impl PartModel {
             moment_edges.extend(edges);
         }
         let moments = (!stencils.is_empty()).then(|| EdgeMoment::new(stencils, moment_edges));
+        let untied_forces = forces.clone();
         parts.ties.reduce(&mut forces);
         let mut model = Self::assembled(parts, chamber, moments, Vec::new(), material);
         if model.free_unknowns() == 0 {
@@ -110,7 +111,7 @@ impl PartModel {
         }
         model.place(&loads.planes, Faces::about_middle(patch.thickness));
         model.pressure = loads.pressure;
-        model.forces = forces;
+        (model.forces, model.untied_forces) = (forces, untied_forces);
         if !carriers.is_empty() {
             let (stencils, followers) = carriers.into_iter().unzip();
             model.follow_with(FollowerLoads::new(stencils, followers));

@@ -68,6 +68,13 @@ impl Ties {
         self.followed.get(node as usize).map_or(&[], Vec::as_slice)
     }
 
+    /// The nodes that follow or are followed, in no order and more than once.
+    pub(super) fn bound(&self) -> impl Iterator<Item = u32> {
+        let followers = (0u32..).zip(&self.followed).filter(|(_, leaders)| !leaders.is_empty());
+        followers
+            .flat_map(|(node, leaders)| leaders.iter().map(|&(leader, _)| leader).chain([node]))
+    }
+
     /// Adds to the displacements `u`, which hold the unknowns, what the followers owe to their leaders.
     pub(super) fn displace(&self, u: &mut [Vec3]) {
         if self.is_empty() {

@@ -1,12 +1,13 @@
 //! The choice between the two solvers.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{EquilibriumSolver, NativeSolver, SolverFailure};
 use crate::model::system::SparsityPattern;
 
 /// Which library finds the equilibria.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Backend {
     /// Our Newton with `faer`; runs on any number of threads at once.
@@ -16,7 +17,7 @@ pub enum Backend {
 }
 
 /// How linear systems are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum LinearMethod {
     /// By size: a factorisation while that is the faster.

@@ -33,6 +33,7 @@ mod supply;
 mod test_systems;
 mod walk;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::model::system::System;
@@ -43,7 +44,7 @@ pub use hermite::{Cubic, Segment};
 pub use job::{Job, Message, confined};
 pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use native::NativeSolver;
-pub use path::{Path, PathPoint, PathSettings, Programme, follow, follow_from};
+pub use path::{Path, PathPoint, PathSettings, Programme, follow, follow_from, follow_watched};
 #[cfg(feature = "petsc")]
 pub use petsc::Snes;
 pub use snap::Snap;
@@ -51,7 +52,7 @@ pub use stop::Stop;
 pub use supply::Supply;
 
 /// When Newton's method stops.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewtonSettings {
     /// Converged when the residual's norm is below this times the system's force scale.

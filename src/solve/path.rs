@@ -15,6 +15,7 @@
 //!
 //! A [`Programme::Curve`] is the whole equilibrium curve, stable or not (`curve.rs`).
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::curve;
@@ -27,7 +28,7 @@ use super::{EquilibriumSolver, NewtonSettings, SolverFailure};
 use crate::model::system::LoadedSystem;
 
 /// How a path is walked.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PathSettings {
     /// Number of equal parts of the programme, at whose ends states are sampled.
@@ -198,7 +199,35 @@ pub fn follow_from(
     settings: &PathSettings,
     stop: Stop<'_>,
 ) -> Result<Path, SolverFailure> {
-    let programme = programme.into();
+    walk_on(system, solver, programme.into(), (points, step), settings, stop, &mut |_| {})
+}
+
+/// As [`follow`]; it ends early where `stop` wants that, and `watch` sees every state that is accepted, when it is.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_watched(
+    system: &mut dyn LoadedSystem,
+    solver: &mut dyn EquilibriumSolver,
+    programme: impl Into<Programme>,
+    settings: &PathSettings,
+    stop: Stop<'_>,
+    watch: &mut dyn FnMut(&PathPoint),
+) -> Result<Path, SolverFailure> {
+    let start = (Vec::new(), f64::INFINITY);
+    walk_on(system, solver, programme.into(), start, settings, stop, watch)
+}
+
+/// Walks from the last of the given points, the first step at most as long as given.
+fn walk_on(
+    system: &mut dyn LoadedSystem,
+    solver: &mut dyn EquilibriumSolver,
+    programme: Programme,
+    (points, step): (Vec<PathPoint>, f64),
+    settings: &PathSettings,
+    stop: Stop<'_>,
+    watch: &mut dyn FnMut(&PathPoint),
+) -> Result<Path, SolverFailure> {
     let supply = match programme {
         Programme::Driven { supply, .. } => supply,
         Programme::Curve { .. } => Supply::Load,
@@ -219,6 +248,7 @@ pub fn follow_from(
         shifted: 0,
         fell: false,
         place: None,
+        watch,
     };
     if let Some(last) = walk.points.last() {
         walk.system.settle(&last.x);

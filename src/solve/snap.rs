@@ -147,6 +147,8 @@ impl Walk<'_> {
         let mut walk = Walk {
             system: &mut damped,
             solver: &mut *self.solver,
+            // The states of a fall are none of the path.
+            watch: &mut |_| {},
             points: Vec::new(),
             ahead: Vec::new(),
             ..*self

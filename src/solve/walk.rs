@@ -38,6 +38,8 @@ pub(super) struct Walk<'a> {
     /// Whether a fall from the last point found no end.
     pub fell: bool,
     pub place: Option<usize>,
+    /// Sees what is accepted.
+    pub watch: &'a mut dyn FnMut(&PathPoint),
 }
 
 /// A state and its load.
@@ -68,6 +70,9 @@ impl Walk<'_> {
             return Ok(missed.ending);
         }
         let start = self.supply.at_rest(self.points[0].conjugate);
+        if end == start {
+            return self.stay(end);
+        }
         self.span = end - start;
         let part = self.span / self.settings.steps as f64;
         for k in 1..=self.settings.steps {
@@ -79,6 +84,24 @@ impl Walk<'_> {
         }
         let is_snapped = self.points.iter().any(|point| point.snap.is_some());
         Ok(if is_snapped { Ending::SnappedAndContinued } else { Ending::Reached })
+    }
+
+    /// Where the drive is to stay as it is at rest: a sealed chamber still answers to what pushes the part already.
+    fn stay(&mut self, drive: f64) -> Result<Ending, SolverFailure> {
+        if self.supply == Supply::Load {
+            return Ok(Ending::Reached);
+        }
+        self.span = drive;
+        let start = State { x: self.last().x.clone(), load: self.last().load };
+        let found = self.equilibrium(drive, start, usize::MAX)?;
+        Ok(match found {
+            Ok(mut point) => {
+                point.is_sample = true;
+                self.accept(point);
+                Ending::Reached
+            }
+            Err(Missed { ending, .. }) => ending,
+        })
     }
 
     /// Finds the state at rest.
@@ -241,6 +264,7 @@ impl Walk<'_> {
             let forward = point.drive - last.drive;
             self.ahead.retain(|ahead| (ahead.drive - point.drive) / forward > 1e-9);
         }
+        (self.watch)(&point);
         self.points.push(point);
         (self.iterations, self.cuts) = (0, 0);
     }

@@ -7,6 +7,8 @@ mod export;
 mod extremes;
 mod hostile_files;
 mod interrupted;
+mod keys;
+mod loads;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;

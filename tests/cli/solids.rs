@@ -73,6 +73,18 @@ measure = \"volume-growth\"
     let wanted = volume("volume_final") - volume("volume_initial");
     // The file holds all digits, but its clamp is counted from its own lowest node: it holds a few nodes more or fewer.
     assert!((growth / wanted - 1.0).abs() < 5e-3, "{growth} {wanted}");
+    // Without a watch it says what a shell says. Its tip is the upper part of both faces, not of the middle between them: of a
+    // twentieth of the length that turns with it, half a wall further from the base.
+    let read = workshop.json("read/summary.json");
+    let angles = [&summary, &read].map(|summary| summary["angle_deg"].as_f64().unwrap());
+    assert!((angles[1] / angles[0] - 1.0).abs() < 0.05, "{angles:?}");
+    let growth_of_columns = workshop.column("read/path.csv", "volume_mm3");
+    assert_eq!(growth_of_columns[2] - growth_of_columns[0], growth);
+    assert_eq!(workshop.column("read/path.csv", "angle_deg")[2], angles[1]);
+    // Of solids, too, a pressure alone has no resultant: 1e-9 of a force scale of some 10 N, at some hundred nodes.
+    for (axis, force) in read["reaction"]["force"].as_array().unwrap().iter().enumerate() {
+        assert!(force.as_f64().unwrap().abs() < 1e-6, "{axis}: {force}");
+    }
 }
 
 const RUN: &str = "

@@ -113,7 +113,7 @@ fn hard_cases_leave_a_table() {
         .map(|line| line.split(',').nth(place.unwrap()).unwrap().parse().unwrap())
         .collect();
     assert!(differences.len() == runs / 2 && differences.iter().all(|d| *d < 1e-6), "{table}");
-    assert!(workshop.column("out/stability.csv", "load").iter().all(|load| *load == 1.0));
+    assert!(workshop.column("out/stability.csv", "load_share").iter().all(|load| *load == 1.0));
 
     let near = ["there is no case `plate_in_inches`; the nearest is `plate_in_"];
     workshop.refuse(&["verify", "stability", "--case", "plate_in_inches"], 1, &near);
@@ -141,7 +141,7 @@ fn a_case_simulates() {
     let workshop = Workshop::new();
     workshop.write("scene.toml", include_str!("../../verify/shells/cantilever_shear.toml"));
     let out = workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
-    assert!(out.starts_with("reached at load 1.0000"), "{out}");
+    assert!(out.starts_with("reached at load share 1.0000"), "{out}");
     let summary = workshop.json("out/summary.json");
     let watches = summary["watches"].as_array().unwrap();
     for (watch, reference) in watches.iter().zip([3.286, 6.698]) {
@@ -186,13 +186,13 @@ measure = \"volume-growth\"
     workshop.write("scene.toml", format!("{scene}{watches}"));
     workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
     let last = |column: &str| *workshop.column("out/path.csv", column).last().unwrap();
-    let volume = workshop.column("out/path.csv", "volume");
+    let volume = workshop.column("out/path.csv", "volume_mm3");
     let growth = volume[volume.len() - 1] - volume[0];
     let values = workshop.column("out/watches.csv", "value");
     let steps = volume.len();
     let ends: Vec<f64> = values.chunks(steps).map(|watch| watch[steps - 1]).collect();
     // The same sums in another order.
-    for (value, exact) in ends.iter().zip([last("tip_x"), last("angle_deg"), growth]) {
+    for (value, exact) in ends.iter().zip([last("tip_x_mm"), last("angle_deg"), growth]) {
         assert!((value - exact).abs() < 1e-9 * exact.abs(), "{value} {exact}");
     }
     assert_eq!(ends.len(), 3);

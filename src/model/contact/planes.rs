@@ -102,6 +102,11 @@ impl Planes {
         })
     }
 
+    /// The barriers of the planes in place, over the displaced nodes themselves.
+    pub(in crate::model) fn contacts(&self) -> impl Iterator<Item = &dyn Term> {
+        self.in_place().map(|plane| -> &dyn Term { plane.contact.inner() })
+    }
+
     /// Whether no plane is in place.
     pub(in crate::model) fn is_empty(&self) -> bool {
         self.in_place().len() == 0

@@ -14,6 +14,8 @@ pub struct Key {
     pub name: &'static str,
     /// What it holds.
     pub kind: KeyKind,
+    /// What it is, in a few words, with its unit.
+    pub meaning: &'static str,
 }
 
 /// What a key holds.
@@ -29,8 +31,8 @@ pub enum KeyKind {
 
 impl Key {
     /// A key that holds a number.
-    pub(super) const fn number(name: &'static str) -> Self {
-        Self { name, kind: KeyKind::Number }
+    pub(super) const fn number(name: &'static str, meaning: &'static str) -> Self {
+        Self { name, kind: KeyKind::Number, meaning }
     }
 }
 
@@ -59,6 +61,18 @@ impl KeyValue {
         if let Self::Terms(terms) = self { Some(terms) } else { None }
     }
 }
+
+/// Each law that a file can name, with what it wants, in words.
+#[must_use]
+pub fn laws_in_words() -> Vec<(&'static str, &'static str)> {
+    LAWS.iter().map(|law| (law.name, law.wants)).collect()
+}
+
+/// Young's modulus at rest.
+pub(super) const YOUNG_MODULUS: Key = Key::number("young_modulus", "Young's modulus at rest, MPa");
+
+/// Poisson's ratio at rest.
+pub(super) const POISSON_RATIO: Key = Key::number("poisson_ratio", "Poisson's ratio at rest");
 
 /// Every key that some law has, in the order of the laws.
 #[must_use]

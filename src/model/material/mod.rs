@@ -19,7 +19,7 @@ mod stability;
 mod test_laws;
 
 pub use compressible::Compressible;
-pub use keys::{InvalidMaterial, Key, KeyKind, KeyValue, keys, positive, within};
+pub use keys::{InvalidMaterial, Key, KeyKind, KeyValue, keys, laws_in_words, positive, within};
 pub use of_invariants::OfInvariants;
 pub use ogden::OgdenTerm;
 pub use solid::{SolidLaw, SolidResponse};

@@ -25,7 +25,10 @@ pub struct MooneyRivlin {
 
 impl NamedLaw for MooneyRivlin {
     const NAME: &'static str = "mooney-rivlin";
-    const KEYS: &'static [Key] = &[Key::number("c1"), Key::number("c2")];
+    const KEYS: &'static [Key] = &[
+        Key::number("c1", "factor of the first invariant, MPa"),
+        Key::number("c2", "factor of the second invariant, MPa"),
+    ];
     const WANTS: &'static str = "`c1` and `c2`, with `bulk_modulus` if it is compressible";
 
     fn read(keys: &LawKeys<'_>) -> Result<Self, InvalidMaterial> {

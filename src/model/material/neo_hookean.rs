@@ -6,7 +6,7 @@
 
 use nalgebra::Matrix3;
 
-use super::keys::{InvalidMaterial, Key, LawKeys};
+use super::keys::{InvalidMaterial, Key, LawKeys, POISSON_RATIO, YOUNG_MODULUS};
 use super::rubber::{IncompressibleLaw, NamedLaw, with_bulk_modulus};
 use super::solid::{SolidResponse, of_invariants};
 use super::{Compressible, Material, OfInvariants};
@@ -21,7 +21,7 @@ pub struct NeoHookean {
 impl NamedLaw for NeoHookean {
     const NAME: &'static str = "neo-hookean";
     const KEYS: &'static [Key] =
-        &[Key::number("mu"), Key::number("young_modulus"), Key::number("poisson_ratio")];
+        &[Key::number("mu", "shear modulus at rest, MPa"), YOUNG_MODULUS, POISSON_RATIO];
     const WANTS: &'static str =
         "`mu`, with `bulk_modulus` if it is compressible, or `young_modulus` and `poisson_ratio`";
 

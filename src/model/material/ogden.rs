@@ -93,7 +93,11 @@ impl Ogden {
 
 impl NamedLaw for Ogden {
     const NAME: &'static str = "ogden";
-    const KEYS: &'static [Key] = &[Key { name: "terms", kind: KeyKind::Terms }];
+    const KEYS: &'static [Key] = &[Key {
+        name: "terms",
+        kind: KeyKind::Terms,
+        meaning: "a list of { mu = .., alpha = .. }: shares of the shear modulus at rest, MPa, and exponents",
+    }];
     const WANTS: &'static str =
         "`terms = [{ mu, alpha }]`, with `bulk_modulus` if it is compressible";
 

@@ -61,7 +61,8 @@ pub(super) fn with_bulk_modulus(
 }
 
 /// The key that makes a rubber compressible.
-pub(super) const BULK_MODULUS: Key = Key::number("bulk_modulus");
+pub(super) const BULK_MODULUS: Key =
+    Key::number("bulk_modulus", "bulk modulus at rest, MPa; incompressible where it is left out");
 
 /// Bulk over shear modulus, a Poisson's ratio of -0.29: the softest volume for which the laws are tested.
 const SOFTEST_VOLUME: f64 = 0.3;

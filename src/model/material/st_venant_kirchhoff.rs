@@ -14,7 +14,7 @@
 //!
 //! Source: Koiter (1966), On the nonlinear theory of thin elastic shells.
 
-use super::keys::{FileLaw, InvalidMaterial, Key, LawKeys};
+use super::keys::{FileLaw, InvalidMaterial, LawKeys, POISSON_RATIO, YOUNG_MODULUS};
 use super::{Material, OfInvariants};
 
 /// A linear elastic wall at small strains and large rotations.
@@ -29,7 +29,7 @@ pub struct StVenantKirchhoff {
 /// How files name it.
 pub(super) const FILE_LAW: FileLaw = FileLaw {
     name: "st-venant-kirchhoff",
-    keys: &[Key::number("young_modulus"), Key::number("poisson_ratio")],
+    keys: &[YOUNG_MODULUS, POISSON_RATIO],
     wants: "`young_modulus` and `poisson_ratio`",
     material,
 };

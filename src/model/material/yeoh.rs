@@ -18,7 +18,11 @@ pub struct Yeoh {
 
 impl NamedLaw for Yeoh {
     const NAME: &'static str = "yeoh";
-    const KEYS: &'static [Key] = &[Key { name: "c", kind: KeyKind::Triple }];
+    const KEYS: &'static [Key] = &[Key {
+        name: "c",
+        kind: KeyKind::Triple,
+        meaning: "factors of the first invariant less 3, of its square and of its cube, MPa",
+    }];
     const WANTS: &'static str = "`c = [c1, c2, c3]`, with `bulk_modulus` if it is compressible";
 
     fn read(keys: &LawKeys<'_>) -> Result<Self, InvalidMaterial> {

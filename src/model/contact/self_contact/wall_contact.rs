@@ -68,6 +68,11 @@ impl WallContact {
         &self.term
     }
 
+    /// The term over the displaced nodes themselves.
+    pub(in crate::model) fn untied_term(&self) -> &dyn Term {
+        self.term.inner()
+    }
+
     /// Lists the pairs that are near where the nodes are at `positions` (mm), unless the last list is still complete;
     /// returns whether it made a new one.
     pub(in crate::model) fn list(&mut self, positions: &[Vec3], frame: Frame<'_>) -> bool {
