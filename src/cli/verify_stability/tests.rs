@@ -173,7 +173,7 @@ fn units_change_numbers_and_not_states() {
         assert_eq!(compared(&done("plate_in_mm", 2.0), &case, value).verdict, verdict);
     }
     let row = compared(&done("plate_in_mm", 2.0), &case, 2.0);
-    assert!(row.remark.starts_with("it differs from plate_in_mm by 1.0e0 in watch 1"), "{row:?}");
+    assert!(row.remark.starts_with("it differs from plate_in_mm by 1.0e3 in watch 1"), "{row:?}");
     assert_eq!(compared(&done("foil", 2.0), &case, 2.0).verdict, OK);
     let ends = Ran { ending: "stalled".to_owned(), ..ran(2.0) };
     let row = compared(&[("plate_in_mm", Backend::Native, Rc::new(ends))], &case, 0.002);
