@@ -182,7 +182,12 @@ fn text(path: &Path) -> Result<String, InputError> {
 
 impl Comparison {
     fn in_words(&self) -> String {
-        let place = |[x, y, z]: [f64; 3]| format!("({x:+8.3}, {y:+8.3}, {z:+8.3})");
+        let place = |tip: [f64; 3]| match tip {
+            [x, y, z] if tip.iter().all(|x| x.is_finite()) => {
+                format!("({x:+8.3}, {y:+8.3}, {z:+8.3})")
+            }
+            _ => format!("{:^30}", "no numbers"),
+        };
         let percent = |share: f64| format!("{:.3} %", 100.0 * share);
         let mut lines = vec![format!(
             "{:>10}  {:^30}  {:^30}  {:>12}",

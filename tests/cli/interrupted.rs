@@ -245,7 +245,7 @@ fn an_interrupted_walk_writes_its_path() {
     }
     let summary = workshop.json("out/summary.json");
     assert_eq!(summary["ending"], "interrupted");
-    let pressures = workshop.column("out/path.csv", "pressure");
+    let pressures = workshop.column("out/path.csv", "pressure_MPa");
     assert_eq!(pressures.last(), summary["pressure"].as_f64().as_ref());
     assert!(pressures.len() < 1001 && *pressures.last().unwrap() < 0.1, "{}", pressures.len());
 }

@@ -76,6 +76,7 @@ fn printed_defaults_are_a_run_file() {
     }
     workshop.write("run.toml", defaults);
     std::fs::create_dir(workshop.path("taken")).unwrap();
+    workshop.write("taken/thesis.txt", "years of work");
     workshop.refuse(
         &["evolve", "run.toml", "--out", "taken"],
         1,

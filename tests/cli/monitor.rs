@@ -221,8 +221,11 @@ fn a_run_that_goes_on_is_shown_as_far_as_it_is() {
 #[test]
 fn a_hostile_folder_does_no_harm() {
     let workshop = copy_of_finished();
-    let log = workshop.read("out/candidates.jsonl");
     let markup = "<img src=x onerror=alert(1)>";
+    // Without checksums, as earlier versions wrote it: a line of the same meaning is let in.
+    let log: String = (workshop.read("out/candidates.jsonl").lines())
+        .map(|line| line.split(",\"checksum\"").next().unwrap().to_owned() + "}\n")
+        .collect();
     let hostile = log.replace("\"islands\"", &format!("\"{markup}\""));
     let lines = "{\"id\":\"../../etc/passwd\"}\nnot JSON at all\n";
     workshop.write("out/candidates.jsonl", format!("{hostile}{lines}"));

@@ -7,7 +7,7 @@ const PART: &str = "[part]\nnetwork = \"network.toml\"\n";
 #[test]
 fn files_that_cannot_be_read_are_named() {
     let workshop = Workshop::new();
-    workshop.write("binary.toml", b"\xff\xfe\x00");
+    workshop.write("binary.toml", b"\xff\xff\x00");
     for command in ["simulate", "evolve", "mesh"] {
         for (file, words) in [
             ("missing.toml", "missing.toml: no such file or folder"),
