@@ -12,7 +12,7 @@ fn files_that_cannot_be_read_are_named() {
         for (file, words) in [
             ("missing.toml", "missing.toml: no such file or folder"),
             (".", ".: is a folder, not a file"),
-            ("binary.toml", "binary.toml: is not a text file (UTF-8)"),
+            ("binary.toml", "binary.toml:1: is not a text in UTF-8"),
         ] {
             workshop.refuse(&[command, file, "--out", "out"], 1, &[words]);
         }
@@ -21,8 +21,10 @@ fn files_that_cannot_be_read_are_named() {
         "[part]\nnetwork = \"missing.toml\"\n",
         &["missing.toml: no such file or folder"],
     );
-    workshop
-        .refuse_scene("[part]\nnetwork = \"binary.toml\"\n", &["binary.toml: is not a text file"]);
+    workshop.refuse_scene(
+        "[part]\nnetwork = \"binary.toml\"\n",
+        &["binary.toml:1: is not a text in UTF-8"],
+    );
 }
 
 #[test]
