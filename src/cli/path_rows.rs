@@ -88,7 +88,8 @@ pub(super) fn path_table(
     table.push_numbers("work_mJ", points.iter().map(|point| point.work));
     table.push_numbers("stored_energy_mJ", points.iter().map(|point| point.stored_energy));
     if !tip.is_empty() {
-        let columns: [(_, fn(&Observation) -> f64); 5] = [
+        type Column = (&'static str, fn(&Observation) -> f64);
+        let columns: [Column; 5] = [
             ("tip_x_mm", |row| row.tip_x),
             ("tip_y_mm", |row| row.tip_y),
             ("tip_z_mm", |row| row.tip_z),
