@@ -203,14 +203,11 @@ fn a_clamp_balances_the_planes() {
     for axis in 0..3 {
         assert!((moment[axis] - exact[axis]).abs() < 1e-4, "{moment:?} {exact:?}");
     }
-    let columns: Vec<Vec<f64>> =
+    let [pressures, near, far, held] =
         ["pressure_MPa", "plane_0_force_N", "plane_1_force_N", "reaction_force_x_N"]
-            .iter()
-            .map(|column| workshop.column("out/path.csv", column))
-            .collect();
-    for step in 0..columns[0].len() {
-        let [pressure, near, far, held] = [0, 1, 2, 3].map(|k| columns[k][step]);
-        assert_eq!(far, 0.0);
+            .map(|column| workshop.column("out/path.csv", column));
+    assert!(far.iter().all(|force| *force == 0.0), "{far:?}");
+    for (step, ((pressure, near), held)) in pressures.into_iter().zip(near).zip(held).enumerate() {
         assert!((held + near).abs() < 1e-6, "step {step}: {held} {near}");
         assert!(step > 0 || (pressure == 0.0 && held.abs() < 1e-9));
     }
