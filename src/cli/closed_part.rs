@@ -44,8 +44,7 @@ pub(super) fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Resul
                 crossings == 0,
                 "{name}: {crossings} pairs of triangles pass through each other"
             );
-            own_surface::triangles(&name.to_string(), surface, scene)
-                .and_then(|triangles| ShellMesh::new(triangles, &scene.wall))
+            own_surface::shell(&name.to_string(), surface, scene)
                 .map_err(|rejected| anyhow!("{name}: {rejected}"))
         }
         PartSource::Sphere(sphere) => {

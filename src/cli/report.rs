@@ -178,7 +178,7 @@ fn methods(run: &RunFile, provenance: &str) -> String {
     let known = |key: &str| told[key].as_str().unwrap_or("unknown").to_owned();
     let material = toml::to_string(&run.material).unwrap_or_default();
     let material = material.trim().replace('\n', ", ").replace('"', "");
-    let element = match run.wall.element {
+    let element = match run.wall.element.unwrap_or_default() {
         ShellElement::Loop => "Loop's subdivision surface",
         ShellElement::MidEdge => "flat triangles with mid-edge normals",
     };

@@ -247,8 +247,9 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
     }
     loads.planes = scene.plane_settings(loads.mean_pressure(&patch))?;
     let material = scene.material.material()?;
-    let model = PartModel::of_patch(&patch, scene.wall.element, &material, &loads)
-        .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
+    let model =
+        PartModel::of_patch(&patch, scene.wall.element.unwrap_or_default(), &material, &loads)
+            .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
     let watches = scene
         .watches
         .iter()

@@ -26,7 +26,7 @@ use crate::fitness::{StageSeconds, observations};
 use crate::genome::{Network, NetworkDraft};
 use crate::io::{ChamberChoice, OutputFolder, OwnSolid, atomic, msh, part_file, stl, toml_file};
 use crate::math::{Rejected, cpu_seconds};
-use crate::mesh::{ShellMesh, ShellSettings};
+use crate::mesh::{ShellElement, ShellMesh, ShellSettings};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
 use crate::solve::{
@@ -58,6 +58,8 @@ struct Summary {
     walk: WalkSummary,
     newton_iterations: usize,
     unknowns: usize,
+    /// The finite element of the shell, also of that from which a solid is made.
+    element: ShellElement,
     /// Share of the wall whose bending is softened at creases.
     creased_share: f64,
     solver: Backend,
@@ -151,6 +153,7 @@ pub(super) fn run(
         walk: WalkSummary::new(&walked, &model).of_placed(source.placed()),
         newton_iterations: walked.newton_iterations,
         unknowns: model.unknowns(),
+        element: mesh.element,
         creased_share: model.creased_share(),
         solver: scene.solver.backend,
         cpu_seconds: StageSeconds {

@@ -80,7 +80,7 @@ impl StabilityCase {
     pub(super) fn variants(&self) -> Vec<Variant> {
         let VerifySection { accept, error, .. } = &self.verify;
         if accept.is_empty() {
-            let element = self.scene.as_ref().map_or(ShellElement::Loop, |s| s.wall.element);
+            let element = self.scene.as_ref().ok().and_then(|s| s.wall.element).unwrap_or_default();
             return vec![Variant { mesh: None, element, error: *error }];
         }
         let variant = |mesh, element, error| Variant { mesh: Some(mesh), element, error };

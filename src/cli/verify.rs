@@ -229,7 +229,7 @@ fn measure(
     solver: Backend,
 ) -> anyhow::Result<Measured> {
     let mut scene = case.scene.with_mesh(mesh)?;
-    scene.wall.element = element;
+    scene.wall.element = Some(element);
     let start = cpu_seconds();
     let source = scene.part.source(Path::new("verify/shells/case.toml"), &BuiltIn)?;
     let mut shape = Shape::new(&scene, &source)?;

@@ -44,7 +44,7 @@ fn every_case_is_complete_and_makes_a_shell() {
         assert!(!verify.source.is_empty(), "{name}");
         assert!(verify.limit_load.is_some() || !verify.reference.is_empty(), "{name}");
         for accept in &verify.accept {
-            scene.wall.element = accept.element;
+            scene.wall.element = Some(accept.element);
             let model = shape(&scene.with_mesh(accept.mesh).unwrap()).model;
             assert_eq!(model.is_conservative(), !name.starts_with("follower"), "{name}");
         }
@@ -61,7 +61,7 @@ fn buckling_loads_are_those_of_the_closed_forms() {
         let Case { scene, verify, .. } = curve(name);
         for accept in &verify.accept {
             let mut scene = scene.with_mesh(accept.mesh).unwrap();
-            scene.wall.element = accept.element;
+            scene.wall.element = Some(accept.element);
             let measured =
                 shape(&scene).measure(&scene, Backend::Native, 0.0, Stop::NEVER, true).unwrap();
             let error = 100.0 * (measured.limit_load.unwrap() / verify.limit_load.unwrap() - 1.0);

@@ -185,7 +185,7 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
     };
     let start = cpu_seconds();
     let made = scene.and_then(|mut scene| {
-        scene.wall.element = variant.element;
+        scene.wall.element = Some(variant.element);
         let source = scene.part.source(Path::new(&case.file), &BuiltIn)?;
         let shape = Shape::new(&scene, &source)?;
         drop(source);

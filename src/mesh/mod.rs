@@ -16,7 +16,7 @@ mod wall;
 
 pub use ends::Ends;
 pub use from_field::{MeshSettings, shell_of_field, surface_of_field};
-pub use from_triangles::{Remeshed, edge_for, surface_of_triangles};
+pub use from_triangles::{Remeshed, SHARP_TURN, edge_for, surface_of_triangles};
 pub use layers::unit_lattice;
 pub use lid::{Lid, RimDefect};
 pub use locate::Location;

@@ -1,5 +1,7 @@
 //! The mesh of a shell: a closed mid-surface, its thickness, and the vertices that are held or watched.
 
+use std::collections::BTreeSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,14 +30,15 @@ pub struct ShellSettings {
     pub clamp_height: f64,
     /// Length of the tip set below the highest vertex, as a fraction of the length along z.
     pub tip_fraction: f64,
-    /// The finite element of the wall.
-    pub element: ShellElement,
+    /// The finite element of the wall; by default `loop`, and `mid-edge` for a surface of one's own that has sharp edges.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub element: Option<ShellElement>,
 }
 
 impl Default for ShellSettings {
     /// A wall of 1.6 mm clamped over 1.5 thicknesses, as in the public Abaqus decks of the 2022 work.
     fn default() -> Self {
-        Self { thickness: 1.6, clamp_height: 1.5, tip_fraction: 0.05, element: ShellElement::Loop }
+        Self { thickness: 1.6, clamp_height: 1.5, tip_fraction: 0.05, element: None }
     }
 }
 
@@ -44,6 +47,8 @@ impl Default for ShellSettings {
 pub struct ShellMesh {
     /// The mid-surface; its vertices lie on the limit surface of the element.
     pub surface: TriangleMesh,
+    /// Edges whose angle at rest is the part's own, by their vertices, the lesser first; the mid-edge element keeps it.
+    pub sharp_edges: BTreeSet<[u32; 2]>,
     /// Ordered neighbours of every vertex.
     pub rings: Rings,
     /// The control points of every triangle.
@@ -90,10 +95,11 @@ impl ShellMesh {
         let stencils = surface.triangles.iter().map(|&t| Stencil::new(t, &rings)).collect();
         Ok(Self {
             surface,
+            sharp_edges: BTreeSet::new(),
             rings,
             stencils,
             thickness: settings.thickness,
-            element: settings.element,
+            element: settings.element.unwrap_or_default(),
             clamp_top,
             clamp,
             tip,

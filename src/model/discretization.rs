@@ -1,6 +1,6 @@
 //! The nodes of a shell or of a solid, the wall over them, and the points of its surface: what a model is built on.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use super::edge_support::{
@@ -66,10 +66,17 @@ impl Discretization {
                 (control, Wall::Loop(wall), limit, areas)
             }
             ShellElement::MidEdge => {
-                let smooth = ChamberPressure::new(&limit).volume(&control);
-                let reference = volume_matched(&mesh.surface, smooth)?;
+                // Of a part with sharp edges the limit surface is another one.
+                let reference = if mesh.sharp_edges.is_empty() {
+                    let smooth = ChamberPressure::new(&limit).volume(&control);
+                    volume_matched(&mesh.surface, smooth)?
+                } else {
+                    mesh.surface.positions.clone()
+                };
                 let patches = mid_edge_patches(triangles, &BTreeMap::new());
-                let wall = MidEdgeShell::new(&patches, &reference, thickness, material.clone())?;
+                let sharp = &mesh.sharp_edges;
+                let wall =
+                    MidEdgeShell::new(&patches, sharp, &reference, thickness, material.clone())?;
                 let areas = facet_areas(triangles, &reference);
                 (reference, Wall::MidEdge(wall), facet_points(triangles), areas)
             }
@@ -141,7 +148,9 @@ impl Discretization {
                 let beyond =
                     patch.boundary_edges().into_iter().map(|edge| (edge.ends, edge.beyond));
                 let patches = mid_edge_patches(triangles, &beyond.collect());
-                let wall = MidEdgeShell::new(&patches, &reference, thickness, material.clone())?;
+                let sharp = &BTreeSet::new();
+                let wall =
+                    MidEdgeShell::new(&patches, sharp, &reference, thickness, material.clone())?;
                 let areas = facet_areas(triangles, &reference);
                 (supported, reference, Wall::MidEdge(wall), facet_points(triangles), areas)
             }

@@ -31,6 +31,6 @@ pub use mesh_defect::MeshDefect;
 pub use offset::{Filleted, Offset};
 pub use orientation::turned_outward;
 pub use quality::{SurfaceQuality, radius_ratio};
-pub use remesh::{Grading, RemeshSettings, remesh, remesh_graded, remesh_triangles};
+pub use remesh::{Grading, RemeshSettings, remesh, remesh_graded, remesh_triangles, sharp_edges};
 pub use self_intersection::intersecting_pairs;
 pub use triangle_mesh::TriangleMesh;

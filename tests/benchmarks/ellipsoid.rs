@@ -39,8 +39,12 @@ fn growth(element: ShellElement) -> f64 {
     assert!(surface.positions.len() <= 800, "{}", surface.positions.len());
 
     let support = pins(&surface);
-    let settings =
-        ShellSettings { thickness: 1.0, clamp_height: 8.0, element, ..Default::default() };
+    let settings = ShellSettings {
+        thickness: 1.0,
+        clamp_height: 8.0,
+        element: Some(element),
+        ..Default::default()
+    };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
     let material = Material::NeoHookean(NeoHookean { mu: 10.0 / 3.0 });
     let mut model = PartModel::new(&mesh, &material, &support, &[]).unwrap();

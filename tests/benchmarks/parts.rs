@@ -36,7 +36,8 @@ pub(crate) fn sphere(
     let support = pins(&surface);
     // A mesh wants a clamp, which these supports do not use.
     let clamp_height = RADIUS / thickness;
-    let settings = ShellSettings { thickness, clamp_height, element, ..Default::default() };
+    let settings =
+        ShellSettings { thickness, clamp_height, element: Some(element), ..Default::default() };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
     PartModel::new(&mesh, material, &support, &[]).unwrap()
 }

@@ -94,8 +94,37 @@ fn a_capsule_answers_alike_in_any_triangles() {
     }
 }
 
-/// Triangles for looks: as given they answer nothing, and meshed anew a part with sharp rims is told what these are worth. The
-/// reference, as above, gains 153.4, 157.3 and 156.4 mm^3.
+/// A square box between two flat ends.
+fn square_box() -> TriangleMesh {
+    let mut surface = turned(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 4);
+    for x in &mut surface.positions {
+        *x = Vec3::new(10.0 * (x.x - x.y), 10.0 * (x.x + x.y), 80.0 * x.z);
+    }
+    surface
+}
+
+/// Flat walls between sharp edges, of which the file has sixteen triangles. CalculiX 2.20 with 24 x 24 flat shells of eight nodes on
+/// each face (E = 3 mu, nu = 0.49) gains 2498 mm^3, with 16 x 16 and 10 x 10 2400 and 2183: some 2550 in the limit, to 2 %. The mid-edge
+/// element adds 3 % for its triangles.
+#[test]
+fn a_box_keeps_its_edges() {
+    let keys = "[mesh]\nedge = 2.4\n[load]\npressure = 0.001\n";
+    let scene =
+        format!("[part]\nstl = \"part.stl\"\n{keys}[material]\nlaw = \"neo-hookean\"\nmu = 0.3\n");
+    let workshop = Workshop::new();
+    stl::write(&workshop.path("part.stl"), &square_box()).unwrap();
+    workshop.write("scene.toml", scene);
+    let said = workshop.run(&["simulate", "scene.toml", "--out", "out"]);
+    assert!(said.err.contains("which the mid-edge element keeps"), "{said:?}");
+    let summary = workshop.json("out/summary.json");
+    assert_eq!([&summary["ending"], &summary["element"]], ["reached", "mid-edge"]);
+    let [rest, end] = ["volume_initial", "volume_final"].map(|key| summary[key].as_f64().unwrap());
+    assert!((rest / 32_000.0 - 1.0).abs() < 1e-6, "{rest}");
+    assert!(((end - rest) / 2550.0 - 1.0).abs() < 0.05, "{rest} {end}");
+}
+
+/// Triangles for looks: as given they answer nothing, and meshed anew they answer as the reference does: fine even triangles meshed
+/// anew with edges of 2.4, 1.7 and 1.2 mm gain 141.0, 141.1 and 139.8 mm^3.
 #[test]
 fn a_can_of_needles_is_never_silently_wrong() {
     let needles = turned(&can(), 32);
@@ -105,10 +134,10 @@ fn a_can_of_needles_is_never_silently_wrong() {
     for surface in [needles, turned(&can(), 64)] {
         let (said, answer) = answer(&surface, "");
         let growth = answer.unwrap()[1];
-        let error = (growth / 156.4 - 1.0).abs();
-        // What the line says.
-        assert!(error < 0.1, "{growth} {said:?}");
-        assert!(said.err.contains("sharp edges") && said.err.contains("10 % off"), "{said:?}");
+        let error = (growth / 140.6 - 1.0).abs();
+        // The reference's own spread, and what the triangles of either add.
+        assert!(error < 0.02, "{growth} {said:?}");
+        assert!(said.err.contains("sharp edges"), "{said:?}");
     }
 }
 

@@ -242,8 +242,12 @@ fn free_body_on_planes_is_in_balance() {
     let (top, bottom, side) = (farthest(2, 1.0), farthest(2, -1.0), farthest(0, 1.0));
     let pins = vec![3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
     for element in ELEMENTS {
-        let settings =
-            ShellSettings { thickness: 0.5, clamp_height: 20.0, element, ..Default::default() };
+        let settings = ShellSettings {
+            thickness: 0.5,
+            clamp_height: 20.0,
+            element: Some(element),
+            ..Default::default()
+        };
         let mesh = ShellMesh::new(surface.clone(), &settings).unwrap();
         let planes = [(Vec3::z(), 1e-6), (-Vec3::x(), 0.2), (Vec3::new(0.6, 0.64, 0.48), 0.05)]
             .map(|(normal, distance)| PlaneSettings::new(normal, distance, 0.1));

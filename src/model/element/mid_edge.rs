@@ -13,6 +13,8 @@
 //! `theta_i` is the angle by which the surface turns over the edge, positive at a ridge, and `h_i` the height of `x_i`
 //! over it. So curvature needs three functions of four nodes each, whose derivatives [`Hinge`] knows in closed form.
 //!
+//! A sharp edge is no curvature: there `theta_i` is the angle by which the surface turns further than at rest ([`HalfTurn`]).
+//!
 //! Source: Chen, Sageman-Furnas, Wardetzky & Vouga (2018), physical simulation of environmentally induced thin shell
 //! deformation; the reduction to `q_i` and its derivatives are our own.
 
@@ -28,6 +30,25 @@ use crate::model::system::Inadmissible;
 /// Towards 0 the mean of their normals loses its direction. The sharpest sliver of the reference part has 0.16.
 const LEAST_HALF_COSINE: f64 = 0.1;
 
+/// Half the angle by which a surface turns over an edge, by its sine and cosine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct HalfTurn {
+    sine: f64,
+    cosine: f64,
+}
+
+impl HalfTurn {
+    pub(super) const NONE: Self = Self { sine: 0.0, cosine: 1.0 };
+
+    /// From `other` to here.
+    fn beyond(self, other: Self) -> Self {
+        Self {
+            sine: self.sine * other.cosine - self.cosine * other.sine,
+            cosine: self.cosine * other.cosine + self.sine * other.sine,
+        }
+    }
+}
+
 /// A triangle and how it is hinged to its neighbours.
 pub(super) struct MidEdge {
     /// `x1 - x0`, `x2 - x0`.
@@ -40,8 +61,7 @@ pub(super) struct MidEdge {
 struct Hinge {
     /// Twice the height of the apex times the sine of half the turn, negative at a ridge.
     q: f64,
-    sine: f64,
-    cosine: f64,
+    half_turn: HalfTurn,
     length: f64,
     along: Vec3,
     own: Wing,
@@ -60,10 +80,17 @@ struct Wing {
 }
 
 impl MidEdge {
-    pub(super) fn new(x: &[Vec3; 6]) -> Result<Self, Inadmissible> {
-        let hinge = |i: usize| Hinge::new([x[(i + 1) % 3], x[(i + 2) % 3], x[i], x[3 + i]]);
+    /// The triangle with nodes at `x`, whose curvature counts from the turns `rest` over its edges.
+    pub(super) fn new(x: &[Vec3; 6], rest: &[HalfTurn; 3]) -> Result<Self, Inadmissible> {
+        let hinge =
+            |i: usize| Hinge::new([x[(i + 1) % 3], x[(i + 2) % 3], x[i], x[3 + i]], rest[i]);
         let hinges = [hinge(0)?, hinge(1)?, hinge(2)?];
         Ok(Self { e: [x[1] - x[0], x[2] - x[0]], hinges })
+    }
+
+    /// Half the turns over the edges, from where they are counted.
+    pub(super) fn half_turns(&self) -> [HalfTurn; 3] {
+        self.hinges.each_ref().map(|hinge| hinge.half_turn)
     }
 
     /// First and second fundamental form, constant over the triangle.
@@ -192,7 +219,7 @@ fn second_by_turns(energy: &Jet) -> [[f64; VARIABLES]; VARIABLES] {
 }
 
 impl Hinge {
-    fn new([start, end, apex, tip]: [Vec3; 4]) -> Result<Self, Inadmissible> {
+    fn new([start, end, apex, tip]: [Vec3; 4], rest: HalfTurn) -> Result<Self, Inadmissible> {
         let edge = end - start;
         let length = edge.norm();
         let along = edge / length;
@@ -206,12 +233,13 @@ impl Hinge {
             return Err(Inadmissible("two elements fold onto each other"));
         }
         let sine = -other.normal.dot(&own.outward) / (2.0 * cosine);
-        Ok(Self { q: -2.0 * own.height * sine, sine, cosine, length, along, own, other })
+        let half_turn = HalfTurn { sine, cosine }.beyond(rest);
+        Ok(Self { q: -2.0 * own.height * half_turn.sine, half_turn, length, along, own, other })
     }
 
     /// The gradients of `q` at the apex and at the tip; the edge takes the reactions at their feet.
     fn forces(&self) -> [Vec3; 2] {
-        let Self { sine, cosine, own, other, .. } = self;
+        let Self { half_turn: HalfTurn { sine, cosine }, own, other, .. } = self;
         let apex = *cosine * own.normal - 2.0 * sine * own.outward;
         [apex, (own.height / other.height * cosine) * other.normal]
     }
@@ -237,7 +265,7 @@ impl Hinge {
     /// ```
     fn hessian(&self, scale: f64) -> [[Matrix3<f64>; 4]; 4] {
         let Self { length, along, own, other, .. } = self;
-        let [sine, cosine] = [scale * self.sine, scale * self.cosine];
+        let [sine, cosine] = [scale * self.half_turn.sine, scale * self.half_turn.cosine];
         let [apex, tip] = self.forces().map(|force| scale * force);
 
         let phi_phi = (-1.5 * sine / own.height * own.normal) * own.normal.transpose();

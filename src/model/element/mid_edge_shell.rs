@@ -8,11 +8,11 @@
 //! Source: Chen, Sageman-Furnas, Wardetzky & Vouga (2018), physical simulation of environmentally induced thin shell
 //! deformation.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Matrix3;
 
-use super::mid_edge::MidEdge;
+use super::mid_edge::{HalfTurn, MidEdge};
 use super::wall_point::{Creases, WallPoint, bending_depth};
 use super::wall_state::{ShellState, states_of_triangles};
 use crate::math::{Rejected, Room, Vec3};
@@ -26,19 +26,23 @@ pub struct MidEdgeShell {
     stencils: Vec<Vec<u32>>,
     /// Where in its stencil each of an element's six nodes stands; on a very coarse mesh two tips may be one node.
     places: Vec<[usize; 6]>,
+    /// Where the curvature of an element counts from at each of its edges.
+    rest: Vec<[HalfTurn; 3]>,
     points: Vec<WallPoint>,
     material: Material,
     creased_share: f64,
 }
 
 impl MidEdgeShell {
-    /// The wall of `thickness` (mm) over `patches` ([`mid_edge_patches`]), with nodes at `x` at rest.
+    /// The wall of `thickness` (mm) over `patches` ([`mid_edge_patches`]), with nodes at `x` at rest. Over a `sharp` edge (by its ends,
+    /// the lesser first) its faces keep their angle, as those of a stiff corner do, up to what the wall beside it bends.
     ///
     /// # Errors
     /// [`Rejected`] when a triangle has no area or two fold onto each other at rest, or when more than a tenth of the
     /// wall folds more tightly than its thickness allows.
     pub fn new(
         patches: &[[u32; 6]],
+        sharp: &BTreeSet<[u32; 2]>,
         x: &[Vec3],
         thickness: f64,
         material: Material,
@@ -46,16 +50,28 @@ impl MidEdgeShell {
         let mut shell = Self {
             stencils: Vec::with_capacity(patches.len()),
             places: Vec::with_capacity(patches.len()),
+            rest: Vec::with_capacity(patches.len()),
             points: Vec::with_capacity(patches.len()),
             material,
             creased_share: 0.0,
         };
         let mut creases = Creases::default();
         for patch in patches {
-            let geometry = MidEdge::new(&patch.map(|v| x[v as usize]));
-            let geometry = geometry.map_err(|Inadmissible(what)| {
-                Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
-            })?;
+            let at_rest = patch.map(|v| x[v as usize]);
+            let counted_from = |rest| {
+                MidEdge::new(&at_rest, rest).map_err(|Inadmissible(what)| {
+                    Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
+                })
+            };
+            let mut rest = counted_from(&[HalfTurn::NONE; 3])?.half_turns();
+            for (i, turn) in rest.iter_mut().enumerate() {
+                let [a, b] = [patch[(i + 1) % 3], patch[(i + 2) % 3]];
+                if !sharp.contains(&[a.min(b), a.max(b)]) {
+                    *turn = HalfTurn::NONE;
+                }
+            }
+            let geometry = counted_from(&rest)?;
+            shell.rest.push(rest);
             let (forms, area) = (geometry.forms(), geometry.area());
             let depth = bending_depth(forms, thickness);
             shell.points.push(WallPoint::new(forms, area, thickness, depth));
@@ -102,7 +118,7 @@ impl MidEdgeShell {
     }
 
     fn geometry(&self, s: usize, x: &[Vec3]) -> Result<MidEdge, Inadmissible> {
-        MidEdge::new(&self.places[s].map(|place| x[place]))
+        MidEdge::new(&self.places[s].map(|place| x[place]), &self.rest[s])
     }
 }
 
@@ -193,10 +209,16 @@ mod tests {
         Isometry3::new(Vec3::new(3.0, -5.0, 2.0), Vec3::new(0.4, 1.9, -0.7))
     }
 
-    fn wall(shell: &TestShell) -> MidEdgeShell {
+    fn wall(shell: &TestShell, sharp: &BTreeSet<[u32; 2]>) -> MidEdgeShell {
         let mesh = &shell.mesh;
         let patches = mid_edge_patches(&mesh.surface.triangles, &BTreeMap::new());
-        MidEdgeShell::new(&patches, &shell.reference, mesh.thickness, NEO_HOOKEAN).unwrap()
+        MidEdgeShell::new(&patches, sharp, &shell.reference, mesh.thickness, NEO_HOOKEAN).unwrap()
+    }
+
+    /// Every other edge of every triangle.
+    fn many_edges(shell: &TestShell) -> BTreeSet<[u32; 2]> {
+        let edges = shell.mesh.surface.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c]]);
+        edges.map(|[a, b]| [a.min(b), a.max(b)]).collect()
     }
 
     /// The coarsest closed mesh: every triangle has the same tip three times.
@@ -208,16 +230,60 @@ mod tests {
                 .map(|x| 6.0 * Vec3::from(x))
                 .to_vec();
         let positions = rest.iter().zip(&shell.deformed).map(|(x, y)| x + 0.1 * y).collect();
-        let term = MidEdgeShell::new(&patches, &rest, 0.8, NEO_HOOKEAN).unwrap();
+        let term = MidEdgeShell::new(&patches, &BTreeSet::new(), &rest, 0.8, NEO_HOOKEAN).unwrap();
         Case { term, positions, motion: motion() }
     }
 
     term_suite!(neo_hookean, |shell| {
-        let term = wall(shell);
+        let term = wall(shell, &BTreeSet::new());
         assert_eq!(term.creased_share(), 0.0);
         Case { term, positions: shell.deformed.clone(), motion: motion() }
     });
+    term_suite!(sharp_edges, |shell| {
+        let term = wall(shell, &many_edges(shell));
+        Case { term, positions: shell.deformed.clone(), motion: motion() }
+    });
     term_suite!(repeated_tips, tetrahedron);
+
+    /// A right triangle with legs of 1 and a neighbour at a right angle, which turns further by `extra`. Over a sharp edge that bends the
+    /// triangle as a flat wall: `q = 2 sin(extra / 2)`, `W = D q^2 A / 2`, `D = mu t^3 / 3`, `A = 1/2`. Counted from flat, the sine
+    /// of half the turn changes by `cos(45 degrees)` of that, and the energy is half.
+    #[test]
+    fn a_sharp_edge_turns_from_its_angle_at_rest() {
+        let (thickness, extra) = (0.01, 0.02_f64);
+        let at = |turn: f64| {
+            let out = Vec3::new(0.0, -turn.cos(), -turn.sin());
+            // The edge from corner 0 to corner 1 lies along x; the tips beyond the other edges lie in the plane of their triangle.
+            [
+                Vec3::zeros(),
+                Vec3::x(),
+                Vec3::y(),
+                Vec3::new(1.0, 1.0, 0.0),
+                Vec3::new(-1.0, 1.0, 0.0),
+                out,
+            ]
+        };
+        let energy = |sharp: &[[u32; 2]], turn: f64| {
+            let rest = at(std::f64::consts::FRAC_PI_2);
+            let sharp = sharp.iter().copied().collect();
+            let patch = [[0, 1, 2, 3, 4, 5]];
+            let shell = MidEdgeShell::new(&patch, &sharp, &rest, thickness, NEO_HOOKEAN).unwrap();
+            shell.energy(0, &at(std::f64::consts::FRAC_PI_2 + turn)).unwrap()
+        };
+        let q = 2.0 * (extra / 2.0).sin();
+        let exact = 1.3 * thickness.powi(3) / 6.0 * q * q / 2.0;
+        // Of the order of the layers' strain, t q / 2, squared.
+        for turn in [extra, -extra] {
+            assert!(
+                (energy(&[[0, 1]], turn) / exact - 1.0).abs() < 1e-3,
+                "{}",
+                energy(&[[0, 1]], turn)
+            );
+        }
+        assert_eq!(energy(&[[0, 1]], 0.0), 0.0);
+        // Of the order of the extra turn.
+        assert!((energy(&[], extra) / exact - 0.5).abs() < 0.05, "{}", energy(&[], extra));
+    }
 
     /// Nodes anywhere in a plane, stretched alike: `W = psi t A` (the patch test).
     #[test]
@@ -230,8 +296,14 @@ mod tests {
                     .map(|[x, y]| Vec3::new(x, y, 0.0))
                     .map(|x| x + 0.3 * Vec3::new(chance.random(), chance.random(), 0.0))
                     .to_vec();
-            let shell =
-                MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &flat, thickness, NEO_HOOKEAN).unwrap();
+            let shell = MidEdgeShell::new(
+                &[[0, 1, 2, 3, 4, 5]],
+                &BTreeSet::new(),
+                &flat,
+                thickness,
+                NEO_HOOKEAN,
+            )
+            .unwrap();
             let area = (flat[1] - flat[0]).cross(&(flat[2] - flat[0])).norm() / 2.0;
             for stretch in [Matrix2::new(1.0, 0.0, 0.0, 1.0), Matrix2::new(1.5, 0.3, -0.2, 0.8)] {
                 let turn = UnitQuaternion::from_scaled_axis(Vec3::new(0.3, -1.0, 0.5));
@@ -251,8 +323,14 @@ mod tests {
         let flat = [[0, 0], [1, 0], [0, 1], [1, 1], [-1, 1], [1, -1]].map(|[i, j]| {
             step * (Rotation2::new(angle) * Vec3::new(i as f64, j as f64, 0.0).xy()).push(0.0)
         });
-        let shell =
-            MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &flat, thickness, NEO_HOOKEAN).unwrap();
+        let shell = MidEdgeShell::new(
+            &[[0, 1, 2, 3, 4, 5]],
+            &BTreeSet::new(),
+            &flat,
+            thickness,
+            NEO_HOOKEAN,
+        )
+        .unwrap();
         let on_cylinder =
             |x: &Vec3| Vec3::new((k * x.x).sin() / k, x.y, ((k * x.x).cos() - 1.0) / k);
         let energy = shell.energy(0, &flat.each_ref().map(on_cylinder)).unwrap();
@@ -277,7 +355,9 @@ mod tests {
     fn curvature_errors(sphere: &TriangleMesh) -> [f64; 2] {
         let (mut area, mut sum, mut squares) = (0.0, 0.0, 0.0);
         for patch in mid_edge_patches(&sphere.triangles, &BTreeMap::new()) {
-            let geometry = MidEdge::new(&patch.map(|v| sphere.positions[v as usize])).unwrap();
+            let geometry =
+                MidEdge::new(&patch.map(|v| sphere.positions[v as usize]), &[HalfTurn::NONE; 3])
+                    .unwrap();
             let [a, b] = geometry.forms();
             let mean = -(a[1] * b[0] + a[0] * b[1] - 2.0 * a[2] * b[2]) / (2.0 * det(a));
             area += geometry.area();
@@ -314,7 +394,9 @@ mod tests {
         let mesh = ShellMesh::new(surface, &ShellSettings::default()).unwrap();
         let patches = mid_edge_patches(&mesh.surface.triangles, &BTreeMap::new());
         let positions = &mesh.surface.positions;
-        let shell = MidEdgeShell::new(&patches, positions, mesh.thickness, NEO_HOOKEAN).unwrap();
+        let shell =
+            MidEdgeShell::new(&patches, &BTreeSet::new(), positions, mesh.thickness, NEO_HOOKEAN)
+                .unwrap();
         // Recorded from this code, to notice a change: 1.1 % creased. The volume is t A up to the curvature's square.
         assert!((0.005..0.02).contains(&shell.creased_share()), "{}", shell.creased_share());
         let flat = mesh.surface.area() * mesh.thickness;
@@ -325,7 +407,9 @@ mod tests {
     fn collapsed_and_folded_elements_are_inadmissible() {
         let flat = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]]
             .map(|[x, y]| Vec3::new(x, y, 0.0));
-        let shell = MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &flat, 0.01, NEO_HOOKEAN).unwrap();
+        let shell =
+            MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &BTreeSet::new(), &flat, 0.01, NEO_HOOKEAN)
+                .unwrap();
         // The neighbour below the edge from corner 0 to corner 1 turns about that edge.
         let folded = |turn: f64| {
             let mut x = flat;
@@ -342,7 +426,13 @@ mod tests {
         assert_eq!(shell.energy(0, &collapsed), none);
         collapsed[2] = Vec3::repeat(f64::NAN);
         assert_eq!(shell.energy(0, &collapsed), none);
-        let rejected = MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &collapsed, 0.01, NEO_HOOKEAN);
+        let rejected = MidEdgeShell::new(
+            &[[0, 1, 2, 3, 4, 5]],
+            &BTreeSet::new(),
+            &collapsed,
+            0.01,
+            NEO_HOOKEAN,
+        );
         assert_eq!(rejected.unwrap_err().reason, "degenerate_element");
     }
 
@@ -350,7 +440,7 @@ mod tests {
     fn free_shell_has_six_zero_modes() {
         for seed in 0..3 {
             let shell = TestShell::new(seed);
-            let wall = wall(&shell);
+            let wall = wall(&shell, &BTreeSet::new());
             let n = shell.reference.len();
             let mut k = DMatrix::zeros(3 * n, 3 * n);
             let mut local = LocalDerivatives::with_capacity(6);

@@ -5,13 +5,16 @@
 //!         move each vertex to the middle of its neighbours along the surface, project it on the level
 //! ```
 //! The number of handles never changes. Sharp rims of a level are not kept as features: they are rounded within
-//! about an edge length. Those of given triangles are: their vertices move along them alone. What the edge length cannot resolve is refused, not approximated.
+//! about an edge length. Those of given triangles are: their vertices move along them alone. What the edge length cannot resolve is
+//! refused, not approximated.
 //!
 //! Source: Botsch and Kobbelt (2004), A remeshing approach to multiresolution modeling, SGP, section 4.
 
 mod edits;
 mod passes;
 mod sharp;
+
+use std::collections::BTreeSet;
 
 use crate::field::ScalarField;
 use crate::math::{Rejected, Room};
@@ -60,12 +63,13 @@ pub fn remesh(
     settings: &RemeshSettings,
 ) -> Result<TriangleMesh, Rejected> {
     let target = field.map_or(Target::Nearby, Target::Level);
-    remeshed(mesh, target, SharpEdges::default(), settings, None)
+    remeshed(mesh, target, SharpEdges::default(), settings, None).map(|(mesh, _)| mesh)
 }
 
 /// `mesh`, a closed manifold of triangles of any shape, in triangles of edge `settings.edge` with their corners on the given ones.
 ///
-/// Edges that turn by more than `sharp` (degrees) stay edges, and where they meet stay corners. A needle, a fan or a facet that
+/// Edges that turn by more than `sharp` (degrees) stay edges, which are returned too (by their vertices, the lesser first), and where
+/// they meet stay corners. A needle, a fan or a facet that
 /// is longer than `settings.edge` leaves no trace.
 ///
 /// # Errors
@@ -78,7 +82,7 @@ pub fn remesh_triangles(
     mesh: &TriangleMesh,
     settings: &RemeshSettings,
     sharp: f64,
-) -> Result<TriangleMesh, Rejected> {
+) -> Result<(TriangleMesh, BTreeSet<[u32; 2]>), Rejected> {
     let longest = mesh.bounding_box().map_or(0.0, |(lower, upper)| (upper - lower).max());
     let share = longest / (MOST_EDGES * settings.edge);
     if share > 1.0 {
@@ -92,7 +96,7 @@ pub fn remesh_triangles(
     let edges =
         SharpEdges::of(mesh, &HalfEdges::try_from(mesh)?, sharp, SHORTEST_LINE * settings.edge);
     let original = Original::new(mesh, &edges);
-    let remeshed = remeshed(mesh, Target::Triangles(&original), edges, settings, None)?;
+    let (remeshed, sharp) = remeshed(mesh, Target::Triangles(&original), edges, settings, None)?;
     let new = Original::new(&remeshed, &SharpEdges::default());
     let shares = [
         original.farthest(&remeshed) / (MOST_DEPARTURE * settings.edge),
@@ -108,7 +112,19 @@ pub fn remesh_triangles(
         );
         return Err(Rejected::new(Room::Surface, "unresolved_surface", detail, share - 1.0));
     }
-    Ok(remeshed)
+    Ok((remeshed, sharp))
+}
+
+/// The edges of `mesh`, a closed manifold, that turn by more than `sharp` (degrees) and hang together over two of its mean edges or
+/// more, the lesser vertex first.
+///
+/// # Errors
+/// [`Rejected`] when it is no closed manifold.
+pub fn sharp_edges(mesh: &TriangleMesh, sharp: f64) -> Result<BTreeSet<[u32; 2]>, Rejected> {
+    let surface = HalfEdges::try_from(mesh)?;
+    let mean = SurfaceQuality::of(mesh)?.edge_mean;
+    let numbers: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    Ok(SharpEdges::of(mesh, &surface, sharp, SHORTEST_LINE * mean).renumbered(&numbers))
 }
 
 /// The zero level of `field` in triangles that are smaller where it bends; `mesh` is near it, a closed manifold.
@@ -130,6 +146,7 @@ pub fn remesh_graded(
     let is_length = |x: f64| x > 0.0 && x.is_finite();
     assert!(is_length(shortest) && is_length(chord_error), "{grading:?} must be positive numbers");
     remeshed(mesh, Target::Level(field), SharpEdges::default(), settings, Some(grading))
+        .map(|(mesh, _)| mesh)
 }
 
 fn remeshed(
@@ -138,7 +155,7 @@ fn remeshed(
     sharp: SharpEdges,
     settings: &RemeshSettings,
     grading: Option<&Grading>,
-) -> Result<TriangleMesh, Rejected> {
+) -> Result<(TriangleMesh, BTreeSet<[u32; 2]>), Rejected> {
     let edge = settings.edge;
     assert!(edge > 0.0 && edge.is_finite(), "the edge must be a positive number, not {edge}");
     mesh.check_closed_manifold()?;
@@ -169,7 +186,7 @@ fn remeshed(
         work.equalise_valence();
         work.relax();
     }
-    let remeshed = work.into_mesh();
+    let (remeshed, sharp) = work.into_mesh();
     let quality = SurfaceQuality::of(&remeshed)?;
     let limits = match grading {
         None => Limits { shortest: SHORTEST * edge, sharpest: SHARPEST_FOLD, necks: 0 },
@@ -181,7 +198,7 @@ fn remeshed(
     };
     check_resolved(&quality, mesh, edge, &limits)?;
     check_apart(&remeshed)?;
-    Ok(remeshed)
+    Ok((remeshed, sharp))
 }
 
 /// What differs between what shells and tetrahedra can stand.

@@ -1,5 +1,7 @@
 //! The passes of remeshing: where to edit the triangulation, and where its vertices move.
 
+use std::collections::BTreeSet;
+
 use crate::field::ScalarField;
 use crate::math::Vec3;
 use crate::surface::TriangleMesh;
@@ -239,7 +241,8 @@ impl<'a> Workpiece<'a> {
     }
 
     /// The live triangles over the live vertices, both in their old order.
-    pub(super) fn into_mesh(self) -> TriangleMesh {
+    /// The triangles that are left, and their sharp edges.
+    pub(super) fn into_mesh(self) -> (TriangleMesh, BTreeSet<[u32; 2]>) {
         let mut numbers = vec![NONE; self.positions.len()];
         let mut positions = Vec::new();
         for (v, &position) in self.positions.iter().enumerate() {
@@ -250,7 +253,7 @@ impl<'a> Workpiece<'a> {
         }
         let live = self.surface.origins.chunks_exact(3).filter(|t| t[0] != NONE);
         let triangles = live.map(|t| [t[0], t[1], t[2]].map(|v| numbers[v as usize])).collect();
-        TriangleMesh { positions, triangles }
+        (TriangleMesh { positions, triangles }, self.sharp.renumbered(&numbers))
     }
 
     /// Whether `h` is live and stands for its edge.

@@ -4,7 +4,7 @@
 //! edges wanted are what a scanner's noise looks like: they are none. A vertex is a corner where one, three or more sharp edges
 //! meet, or two that turn by more than 45 degrees.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use crate::math::Vec3;
 use crate::surface::facet_tree::{Facet, FacetTree};
@@ -65,6 +65,11 @@ impl SharpEdges {
         };
         edges.is_corner = ends.iter().enumerate().map(is_corner).collect();
         edges
+    }
+
+    /// The edges by the new `numbers` of their ends, the lesser first.
+    pub(super) fn renumbered(&self, numbers: &[u32]) -> BTreeSet<[u32; 2]> {
+        self.edges.iter().map(|edge| key(edge.map(|v| numbers[v as usize]))).collect()
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -225,7 +230,7 @@ mod tests {
     #[test]
     fn edges_and_corners_stay() {
         let given = prism(4);
-        let mesh = remesh_triangles(&given, &SETTINGS, 40.0).unwrap();
+        let mesh = remesh_triangles(&given, &SETTINGS, 40.0).unwrap().0;
         assert!((mesh.volume() / given.volume() - 1.0).abs() < 1e-12, "{}", mesh.volume());
         for corner in &given.positions[..8] {
             assert!(mesh.positions.contains(corner), "{corner}");
@@ -241,7 +246,7 @@ mod tests {
     #[test]
     fn needles_and_fans_become_even() {
         let given = prism(48);
-        let mesh = remesh_triangles(&given, &SETTINGS, 40.0).unwrap();
+        let mesh = remesh_triangles(&given, &SETTINGS, 40.0).unwrap().0;
         assert_eq!(mesh.check_closed_manifold(), Ok(()));
         let quality = SurfaceQuality::of(&mesh).unwrap();
         assert!(quality.radius_ratio_mean > 0.85 && quality.edge_max < 4.0, "{quality:?}");
