@@ -521,6 +521,7 @@ impl Row {
             flags: self.flags.clone(),
             further: Vec::new(),
             reached: None,
+            mesh_error: None,
         })
     }
 }

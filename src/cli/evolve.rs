@@ -13,6 +13,7 @@ use super::design_folder::write_surface;
 use super::evaluations::{Evaluator, Generation, Known, Unfinished, serve_candidates};
 use super::material::instability;
 use super::meaning::Meaning;
+use super::mesh_error::MeshErrorRow;
 use super::overload::overload;
 use super::path_rows::write_scenarios;
 use super::patience::{End, Patience};
@@ -22,7 +23,7 @@ use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use super::solid_part::SolidSection;
-use super::{certify, narrate, say, warn};
+use super::{certify, mesh_error, narrate, say, warn};
 use crate::batch::{Executor, Farm, Next, Stopped, Threads, hear_others, tell_first};
 use crate::evolve::{Checkpoint, Evaluation, Individual, Nsga2, hypervolume};
 use crate::fitness::{CandidateSettings, FurtherObjective, Outcome, evaluate_network};
@@ -83,11 +84,11 @@ pub(super) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<En
             Err(Unfinished::Failed(error)) => return Err(error),
         }
     }
-    let table = search.folder.write_results(&search.nsga2, &search.history, &search.records)?;
+    search.folder.write_results(&search.nsga2, &search.history, &search.records)?;
     if search.write_front_members(&threads)? == End::Stopped {
         return Ok(search.stopped(false));
     }
-    manner.tell(&table);
+    manner.tell(&search.folder.table(&search.nsga2, &search.records)?);
     if let Some(section) = &run.solid
         && search.certify_front(&run, section, &threads)? == End::Stopped
     {
@@ -319,7 +320,8 @@ impl Search {
         row
     }
 
-    /// Computes the members of the front again and writes genome, surface, paths and pictures of each.
+    /// Computes the members of the front again, with longer edges too, and writes genome, surface, paths and pictures of each, and
+    /// how far they depend on the mesh.
     fn write_front_members(&self, executor: &Threads) -> anyhow::Result<End> {
         let front: Vec<&Individual> = self.nsga2.front();
         let folder = self.folder.file("front");
@@ -343,24 +345,28 @@ impl Search {
             Err(Stopped::ByObserver) => return Ok(End::Stopped),
             written => written?,
         };
-        for outcome in written {
-            outcome??;
-        }
+        let rows: Vec<MeshErrorRow> =
+            written.into_iter().flatten().collect::<anyhow::Result<_>>()?;
+        self.folder.write_mesh_errors(&rows)?;
         Ok(End::Finished)
     }
 
-    fn write_member(&self, individual: &Individual) -> anyhow::Result<()> {
+    fn write_member(&self, individual: &Individual) -> anyhow::Result<MeshErrorRow> {
         let folder = self.folder.path().join("front").join(individual.id.to_string());
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
         let network = Genome::try_from(individual.genome.clone())?.decode();
         atomic::write(&folder.join("genome.toml"), network.to_toml().as_bytes())?;
         let candidate = evaluate_network(&network, &self.settings)?;
-        let (Some(mesh), Some(mut scenarios)) = (candidate.mesh, candidate.scenarios) else {
+        let (Some(mesh), Some(mut scenarios), Outcome::Evaluated(evaluation)) =
+            (candidate.mesh, candidate.scenarios, candidate.outcome)
+        else {
             bail!("{} was evaluated before and fails now", individual.id);
         };
         write_surface(&folder, &mesh)?;
         write_scenarios(&folder, ["path", "path_blocked"], &mut scenarios, Some(&mesh))?;
-        Ok(())
+        let coarser = evaluate_network(&network, &mesh_error::coarser(&self.settings))?.outcome;
+        let id = individual.id.to_string();
+        Ok(MeshErrorRow::new(id, &self.settings, &evaluation, &coarser))
     }
 
     /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`. What a killed run has walked is taken

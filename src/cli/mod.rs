@@ -19,6 +19,7 @@ mod keys;
 mod material;
 mod meaning;
 mod mesh;
+mod mesh_error;
 mod mesh_section;
 #[cfg(feature = "monitor")]
 mod monitor;

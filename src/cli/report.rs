@@ -46,7 +46,8 @@ pub(super) fn run(path: &Path) -> anyhow::Result<()> {
         .with_context(|| format!("{}: no generation has been finished yet", path.display()))?;
     let search = Nsga2::resume(state.search)?;
     let records = folder.records(search.generation())?;
-    say(&folder.write_results(&search, &state.history, &records)?);
+    folder.write_results(&search, &state.history, &records)?;
+    say(&folder.table(&search, &records)?);
     let mut written: Vec<&str> = vec!["front.csv", "history.csv", "outcomes.csv"];
     let mut figures = Vec::new();
     for (name, caption) in FIGURES {

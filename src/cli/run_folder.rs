@@ -5,7 +5,7 @@
 //! running.jsonl                of a run that goes on, or was killed: what is not in candidates.jsonl yet
 //! candidates.jsonl.damaged     what a run that went on found damaged, as it was
 //! .lock                        locked by the process that writes
-//! front.csv  outcomes.csv  front, history, merit, outcomes, each .svg and .png
+//! front.csv  front_error.csv  outcomes.csv  front, history, merit, outcomes, each .svg and .png
 //! solid/  front_solid.csv      of a run with a [solid] section
 //! front/<id>/  genome.toml  surface.stl  path.csv  path_blocked.csv  *.vtu  *.pvd
 //! ```
@@ -14,11 +14,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::certify::Row;
 use super::design_folder::write_json;
 use super::meaning::Meaning;
+use super::mesh_error::MeshErrorRow;
 use super::provenance::Provenance;
 use super::run_file::RunFile;
 use super::warn;
@@ -101,6 +103,9 @@ const RUNNING: &str = "running.jsonl";
 
 /// The front of the solids.
 const SOLID_FRONT: &str = "front_solid.csv";
+
+/// What a second mesh makes of the front.
+const FRONT_ERROR: &str = "front_error.csv";
 
 /// A run folder.
 pub(super) struct RunFolder {
@@ -346,16 +351,37 @@ impl RunFolder {
         search: &Nsga2,
         records: &[Record],
     ) -> anyhow::Result<Vec<FrontPoint>> {
-        front_points(&search.front(), records).with_context(|| self.path().display().to_string())
+        let mut front = front_points(&search.front(), records)
+            .with_context(|| self.path().display().to_string())?;
+        let errors: Vec<MeshErrorRow> = rows_of(&self.file(FRONT_ERROR))?;
+        for point in &mut front {
+            let of_point = errors.iter().find(|row| row.id == point.id);
+            point.mesh_error = of_point.map(MeshErrorRow::error);
+        }
+        Ok(front)
     }
 
-    /// Writes tables and figures of what the run has found; returns the table for the terminal.
+    /// Writes `front_error.csv`.
+    pub(super) fn write_mesh_errors(&self, rows: &[MeshErrorRow]) -> anyhow::Result<()> {
+        Ok(csv::write(&self.file(FRONT_ERROR), rows)?)
+    }
+
+    /// The front for the terminal.
+    pub(super) fn table(&self, search: &Nsga2, records: &[Record]) -> anyhow::Result<String> {
+        let front = self.front(search, records)?;
+        if front.is_empty() {
+            return Ok(why_none(records));
+        }
+        Ok(front_table(&front) + &standing(&front).map_or_else(String::new, |line| line + "\n"))
+    }
+
+    /// Writes tables and figures of what the run has found.
     pub(super) fn write_results(
         &self,
         search: &Nsga2,
         history: &[HistoryRow],
         records: &[Record],
-    ) -> anyhow::Result<String> {
+    ) -> anyhow::Result<()> {
         let front = self.front(search, records)?;
         csv::write(&self.file("history.csv"), history)?;
         if front.is_empty() {
@@ -377,11 +403,7 @@ impl RunFolder {
         self.write_figure("history", &history_svg(&points))?;
         let outcomes = outcome_counts(records);
         csv::write(&self.file("outcomes.csv"), &outcomes)?;
-        self.write_figure("outcomes", &outcomes_svg(&outcomes))?;
-        if front.is_empty() {
-            return Ok(why_none(records));
-        }
-        Ok(front_table(&front) + &standing(&front).map_or_else(String::new, |line| line + "\n"))
+        self.write_figure("outcomes", &outcomes_svg(&outcomes))
     }
 
     /// Writes the figures of both fronts.
@@ -461,7 +483,7 @@ fn guarding(lock: FolderLock) -> FolderLock {
     lock
 }
 
-fn rows_of(path: &Path) -> anyhow::Result<Vec<Row>> {
+fn rows_of<R: DeserializeOwned>(path: &Path) -> anyhow::Result<Vec<R>> {
     if !path.exists() {
         return Ok(Vec::new());
     }
@@ -508,6 +530,7 @@ fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec
             flags: flags(&evaluation.exploits),
             further: further(evaluation),
             reached: Some(reached(evaluation)),
+            mesh_error: None,
         })
     };
     front.iter().map(point).collect()

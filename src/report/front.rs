@@ -31,6 +31,17 @@ pub struct FrontPoint {
     pub further: Vec<Column>,
     /// What it reached, where that is known.
     pub reached: Option<Reached>,
+    /// How far it depends on the mesh, where that was estimated; of tables for people alone.
+    pub mesh_error: Option<MeshError>,
+}
+
+/// By how much the objectives of a design are off for its mesh, as a second mesh estimates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshError {
+    /// Of the bending objective, %; none where the second mesh gives nothing to compare.
+    pub bending_percent: Option<f64>,
+    /// Of the blocking objective, %.
+    pub blocking_percent: Option<f64>,
 }
 
 /// What a design reached at the pressure.
@@ -58,8 +69,8 @@ pub struct Column {
 /// One row: a column for each field, one for each further objective, and then what was reached.
 impl Serialize for FrontPoint {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { id, bending, blocking, figure_of_merit, max_force, flags, further, reached } =
-            self;
+        let Self { id, bending, blocking, figure_of_merit, max_force, flags, further, .. } = self;
+        let reached = &self.reached;
         let more = further.len() + if reached.is_some() { 3 } else { 0 };
         let mut row = serializer.serialize_struct("FrontPoint", 6 + more)?;
         row.serialize_field("id", id)?;
@@ -312,6 +323,7 @@ mod tests {
             flags: String::new(),
             further: Vec::new(),
             reached: None,
+            mesh_error: None,
         }
     }
 

@@ -151,6 +151,7 @@ mod tests {
             flags: String::new(),
             further: Vec::new(),
             reached: None,
+            mesh_error: None,
         };
         // The same geometry of a material ten times as stiff, and one without force.
         let front = [point(10.0, 1.0), point(1.0, 10.0), point(1.0, 0.0)];

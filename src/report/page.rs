@@ -127,6 +127,7 @@ mod tests {
             flags: markup.to_owned(),
             further: Vec::new(),
             reached: None,
+            mesh_error: None,
         };
         let outcome = OutcomeCount { outcome: markup.to_owned(), rejected: true, candidates: 7 };
         let page = ReportPage {

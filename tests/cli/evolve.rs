@@ -58,7 +58,7 @@ fn records(workshop: &Workshop) -> Vec<serde_json::Value> {
 
 /// Everything that the run of `workshop` found is what the finished run found, to the bit.
 pub(crate) fn assert_same_results(workshop: &Workshop) {
-    for table in ["front.csv", "history.csv", "front.svg", "history.svg"] {
+    for table in ["front.csv", "front_error.csv", "history.csv", "front.svg", "history.svg"] {
         let name = format!("out/{table}");
         assert_eq!(workshop.read(&name), finished().read(&name), "{table}");
     }
@@ -99,6 +99,19 @@ fn a_run_writes_what_it_promises() {
     let members: Vec<&str> =
         front.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
     assert!(!members.is_empty());
+    let errors = run.read("out/front_error.csv");
+    let rows: Vec<Vec<&str>> = errors.lines().map(|row| row.split(',').collect()).collect();
+    assert_eq!(rows[0][..3], ["id", "edge_mm", "coarser_edge_mm"], "{errors}");
+    assert_eq!(rows[1..].iter().map(|row| row[0]).collect::<Vec<_>>(), members);
+    for row in &rows[1..] {
+        assert_eq!(row[1], "5.0");
+        assert!((row[2].parse::<f64>().unwrap() - 20.0 / 3.0).abs() < 1e-12, "{errors}");
+        // With edges of a third of the part's width a design is worth another number, or is none.
+        assert!(
+            row[5].parse::<f64>().is_ok_and(|percent| percent > 0.0) || row[7] != "",
+            "{errors}"
+        );
+    }
     for member in members {
         for file in [
             "genome.toml",
