@@ -23,7 +23,7 @@ use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use super::solid_part::SolidSection;
-use super::{certify, mesh_error, narrate, say, warn};
+use super::{certify, narrate, say, warn};
 use crate::batch::{Executor, Farm, Next, Stopped, Threads, hear_others, tell_first};
 use crate::evolve::{Checkpoint, Evaluation, Individual, Nsga2, hypervolume};
 use crate::fitness::{CandidateSettings, FurtherObjective, Outcome, evaluate_network};
@@ -320,7 +320,7 @@ impl Search {
         row
     }
 
-    /// Computes the members of the front again, with longer edges too, and writes genome, surface, paths and pictures of each, and
+    /// Computes the members of the front again, with a second mesh too, and writes genome, surface, paths and pictures of each, and
     /// how far they depend on the mesh.
     fn write_front_members(&self, executor: &Threads) -> anyhow::Result<End> {
         let front: Vec<&Individual> = self.nsga2.front();
@@ -364,9 +364,7 @@ impl Search {
         };
         write_surface(&folder, &mesh)?;
         write_scenarios(&folder, ["path", "path_blocked"], &mut scenarios, Some(&mesh))?;
-        let coarser = evaluate_network(&network, &mesh_error::coarser(&self.settings))?.outcome;
-        let id = individual.id.to_string();
-        Ok(MeshErrorRow::new(id, &self.settings, &evaluation, &coarser))
+        MeshErrorRow::new(individual.id.to_string(), &network, &self.settings, &evaluation)
     }
 
     /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`. What a killed run has walked is taken
