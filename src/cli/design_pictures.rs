@@ -149,6 +149,8 @@ pub(super) struct Pictured {
 
 /// The size of one panel, pixels.
 const PANEL: [usize; 2] = [300, 360];
+/// Pixels that a part leaves free, above it and for the words below it.
+const FREE: usize = 20;
 const WALL: Rgb = [138, 176, 226];
 const PLANE: Rgb = [214, 214, 208];
 /// Pictures between two states of a path.
@@ -216,7 +218,8 @@ impl Pictured {
     fn camera(&self) -> Camera {
         let blocked = self.blocked.iter().flat_map(|(path, _)| &path.surfaces);
         let states = self.free.surfaces.iter().chain(blocked);
-        Camera::beside(self.direction, states.flat_map(|surface| &surface.positions), PANEL)
+        let size = [PANEL[0], PANEL[1] - 2 * FREE];
+        Camera::beside(self.direction, states.flat_map(|surface| &surface.positions), size)
     }
 
     fn panel(
