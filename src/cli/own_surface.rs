@@ -118,6 +118,7 @@ pub(super) fn judged(
         quality.edge_max
     );
     let mean = quality.edge_mean / mesh.thickness;
+    let has_sharp_edges = !as_given && !mesh.sharp_edges.is_empty();
     let told = if percent.abs() > told_volume {
         format!(
             "the shell encloses {volume:.1} mm^3, the file's triangles {of_file:.1} mm^3, {percent:+.1} %"
@@ -131,12 +132,12 @@ pub(super) fn judged(
             "{:.1} % of its wall folds tighter at sharp edges than its thickness allows, so its answers may be 10 % off and more",
             100.0 * model.creased_share()
         )
-    } else if mesh.element == ShellElement::MidEdge && !mesh.sharp_edges.is_empty() {
+    } else if mesh.element == ShellElement::MidEdge && has_sharp_edges {
         format!(
             "it has sharp edges, of {:.0} degrees, which the mid-edge element keeps, and bends flat walls between them by up to 6 % too much or too little",
             quality.dihedral_max
         )
-    } else if !mesh.sharp_edges.is_empty() {
+    } else if has_sharp_edges {
         format!(
             "it has sharp edges, of {:.0} degrees, which Loop's element rounds, so that flat walls between them may bend by 30 % too much; [wall] element = \"mid-edge\" keeps them",
             quality.dihedral_max
