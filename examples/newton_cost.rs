@@ -13,7 +13,7 @@ use pneumorph::math::cpu_seconds;
 use pneumorph::mesh::{ShellMesh, ShellSettings};
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::System;
-use pneumorph::model::{PartModel, Support};
+use pneumorph::model::{PartModel, PartSetup, Support};
 use pneumorph::solve::{Backend, PathSettings, follow};
 use pneumorph::surface::{RemeshSettings, TriangleMesh, remesh};
 
@@ -53,7 +53,7 @@ fn main() -> Result<(), Failure> {
 
 fn measure(part: &Part, backend: Backend) -> Result<(), Failure> {
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
-    let mut model = PartModel::new(&part.mesh, &material, &part.support, &[])
+    let mut model = PartModel::new(&part.mesh, &material, &part.support, &PartSetup::default())
         .map_err(|rejected| rejected.to_string())?;
     let start = cpu_seconds();
     let mut solver = backend.solver(model.pattern())?;

@@ -10,7 +10,7 @@ use pneumorph::mesh::{ShellMesh, ShellSettings};
 use pneumorph::model::contact::SelfContactSettings;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::{LoadedSystem, System};
-use pneumorph::model::{PartModel, Support};
+use pneumorph::model::{FoldContact, PartModel, PartSetup, Support};
 use pneumorph::solve::{NativeSolver, PathSettings, follow};
 
 const PRESSURE: f64 = 0.012;
@@ -29,13 +29,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn measure(mesh: &ShellMesh, material: &Material) -> Result<(), String> {
-    for name in ["not seen", "watched", "kept apart"] {
-        let mut model = PartModel::new(mesh, material, &Support::Clamp, &[])
+    let barrier = SelfContactSettings::of_wall(mesh.thickness, PRESSURE);
+    for (name, folds) in [
+        ("not seen", FoldContact::Unseen),
+        ("watched", FoldContact::Ends),
+        ("kept apart", FoldContact::Barrier(barrier)),
+    ] {
+        let setup = PartSetup { folds: Some(folds), ..PartSetup::default() };
+        let mut model = PartModel::new(mesh, material, &Support::Clamp, &setup)
             .map_err(|error| error.to_string())?;
-        model.watch_folds(name == "watched");
-        if name == "kept apart" {
-            model.keep_folds_apart(SelfContactSettings::of_wall(mesh.thickness, PRESSURE));
-        }
         let mut solver =
             NativeSolver::new(model.pattern()).map_err(|failure| failure.to_string())?;
         let settings = PathSettings::default();

@@ -14,9 +14,9 @@ use std::time::Instant;
 
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{SolidMesh, TetMesh};
-use pneumorph::model::PartModel;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::{LoadedSystem, System};
+use pneumorph::model::{PartModel, PartSetup};
 use pneumorph::solve::{EquilibriumSolver, Job, LinearMethod, NewtonSettings, Snes};
 
 fn main() -> anyhow::Result<()> {
@@ -45,8 +45,9 @@ fn main() -> anyhow::Result<()> {
         (0..).zip(&mesh.positions).filter(|(_, x)| x.z == 0.0).map(|(v, _)| v).collect();
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
     let held = SolidMesh::unknowns_of(&clamp);
-    let mut model = PartModel::of_solid(&mesh, THICKNESS, &material, held, &[])
-        .map_err(|rejected| anyhow::anyhow!("{rejected:?}"))?;
+    let mut model =
+        PartModel::of_solid(&mesh, THICKNESS, &material, &held.into(), &PartSetup::default())
+            .map_err(|rejected| anyhow::anyhow!("{rejected:?}"))?;
     let mut solver = Snes::with_method(model.pattern(), method)?;
     say(format!(
         "{} ranks, {method:?}: {} cells, {} unknowns, {} stored entries; prepared in {:.1} s",

@@ -422,8 +422,9 @@ pub(super) fn certify(
             Ok(part) => part,
             Err(rejected) => return Ok(Err(rejected)),
         };
-        let planes = [settings.fitness.plane(settings.load.pressure)];
-        let model = match part.model(shell, &settings.material, &planes) {
+        let plane = settings.fitness.plane(settings.load.pressure);
+        let setup = settings.load.setup(vec![plane]);
+        let model = match part.model(shell, &settings.material, &setup) {
             Ok(model) => model,
             Err(rejected) => return Ok(Err(rejected)),
         };

@@ -38,7 +38,7 @@ use crate::math::Vec3;
 use crate::mesh::{Ends, ShellMesh, ShellSettings, SolidMesh};
 use crate::model::material::{Compressible, Material, Rubber};
 use crate::model::system::System;
-use crate::model::{PartModel, Support};
+use crate::model::{PartModel, PartSetup, Support};
 use crate::solve::{Backend, LinearMethod, PathPoint, follow};
 
 /// What the command line may say instead of the run or scene file.
@@ -243,7 +243,7 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
             let shell = shell(&scene, &source)?;
             let section = with_edge(scene.solid.unwrap_or_default(), choices)?;
             let law = Material::Compressible(material.clone());
-            let model = PartModel::new(&shell, &law, &Support::Clamp, &[])
+            let model = PartModel::new(&shell, &law, &Support::Clamp, &PartSetup::default())
                 .map_err(|rejected| anyhow!("{rejected}"))?;
             let judgement = own_surface::judged(&scene, &source, &shell, &model)?;
             judgement.iter().for_each(|line| warn(line));
@@ -285,7 +285,8 @@ fn solid(
     section: &SolidSection,
 ) -> anyhow::Result<(SolidMesh, SolidReport)> {
     let failed = |rejected| anyhow!("{rejected}");
-    let model = PartModel::new(shell, material, &Support::Clamp, &[]).map_err(failed)?;
+    let model =
+        PartModel::new(shell, material, &Support::Clamp, &PartSetup::default()).map_err(failed)?;
     let SolidPart { mesh, report } =
         SolidPart::new(&model, shell.thickness, section)?.map_err(failed)?;
     Ok((mesh, report))
@@ -355,9 +356,9 @@ impl Subject {
         };
         let inp = calculix::deck(&case)?;
         let held = SolidMesh::unknowns_of(&clamp);
-        let mut model = PartModel::of_solid(mesh, wall.thickness, &law, held, &[])
-            .map_err(|rejected| anyhow!("{rejected}"))?;
-        model.set_stretch_bound(load.stretch_bound);
+        let mut model =
+            PartModel::of_solid(mesh, wall.thickness, &law, &held.into(), &load.setup(Vec::new()))
+                .map_err(|rejected| anyhow!("{rejected}"))?;
         let mut solver = self.backend.solver_by(self.linear, model.pattern())?;
         let walked = follow(&mut model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
         let samples: Vec<&PathPoint> =

@@ -25,7 +25,7 @@ use crate::io::three_mf::Model;
 use crate::io::{OutputFolder, stl};
 use crate::math::Rejected;
 use crate::mesh::{WallSettings, WallSurfaces, shell_of_field, wall_surfaces};
-use crate::model::{PartModel, Support};
+use crate::model::{PartModel, PartSetup, Support};
 use crate::printing::{Inlet, LEAST_WALL, PrintSettings, Printability, PrintedPart};
 use crate::surface::TriangleMesh;
 
@@ -208,7 +208,7 @@ fn middle_of(network: &Network, run: &RunFile) -> anyhow::Result<TriangleMesh> {
     let field = CappedField::new(compiled, run.design_box, run.mesh.rim_radius)?;
     let material = run.material.material()?;
     let shell = shell_of_field(&field, &run.mesh, &run.wall)
-        .and_then(|shell| PartModel::new(&shell, &material, &Support::Clamp, &[]))
+        .and_then(|shell| PartModel::new(&shell, &material, &Support::Clamp, &PartSetup::default()))
         .map_err(|rejected| anyhow!("{rejected}"))?;
     Ok(middle(&shell, run.wall.thickness))
 }

@@ -58,11 +58,11 @@ pub(super) fn states(
     points: &[PathPoint],
     are_equilibria: bool,
 ) -> Vec<State> {
-    let state = |PathPoint { x, load, .. }: &PathPoint| {
+    let state = |PathPoint { x, load, memory, .. }: &PathPoint| {
         let sizes = model.vertex_displacements(x).into_iter().map(|u| u.norm());
         State {
             max_displacement: sizes.fold(0.0, f64::max),
-            planes: model.plane_states(x),
+            planes: model.plane_states(x, memory),
             folds: model
                 .keeps_folds_apart()
                 .then(|| [model.smallest_wall_gap(x), model.self_contact_force(x)]),

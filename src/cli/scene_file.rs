@@ -24,6 +24,7 @@ use crate::io::toml_file;
 use crate::math::Vec3;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::model::contact::{PlaneSettings, SelfContactSettings};
+use crate::model::{FoldContact, PartSetup};
 use crate::solve::{Backend, LinearMethod, PathSettings, Programme, Supply};
 
 /// A scene file.
@@ -265,7 +266,7 @@ impl SceneFile {
     }
 
     /// The barrier between folds of the wall, if they are kept apart.
-    pub(super) fn self_contact(&self) -> anyhow::Result<Option<SelfContactSettings>> {
+    fn self_contact(&self) -> anyhow::Result<Option<SelfContactSettings>> {
         let Some(section) = self.self_contact else { return Ok(None) };
         let of_load = || match (&self.part.patch, self.load.pressure) {
             (Some(_), pressure) => self.pressing(pressure.unwrap_or(0.0)),
@@ -274,6 +275,20 @@ impl SceneFile {
         let pressure = section.pressure.map_or_else(of_load, anyhow::Ok)?;
         let activation = section.activation * self.wall.thickness;
         Ok(Some(SelfContactSettings::beginning_at(activation, pressure)))
+    }
+
+    /// What the part stands among, under about this `pressure` (MPa): its planes, its folds, the bound on its stretch.
+    pub(super) fn setup(&self, pressure: f64) -> anyhow::Result<PartSetup> {
+        let folds = match self.self_contact()? {
+            Some(settings) => FoldContact::Barrier(settings),
+            None if self.load.may_overlap => FoldContact::Unseen,
+            None => FoldContact::Ends,
+        };
+        Ok(PartSetup {
+            planes: self.plane_settings(pressure)?,
+            folds: Some(folds),
+            stretch_bound: self.load_settings().stretch_bound,
+        })
     }
 
     /// Checks that supports, loads and watches fit the part.
@@ -448,7 +463,7 @@ impl SceneFile {
     }
 
     /// The planes, their barriers fit for a `pressure` of this size (MPa), or for the material where there is none.
-    pub(super) fn plane_settings(&self, pressure: f64) -> anyhow::Result<Vec<PlaneSettings>> {
+    fn plane_settings(&self, pressure: f64) -> anyhow::Result<Vec<PlaneSettings>> {
         let pressure = self.pressing(pressure)?;
         let settings = |plane: &Plane| PlaneSettings {
             friction: plane.friction,

@@ -16,7 +16,9 @@ use crate::io::{ChamberFound, OwnSolid};
 use crate::math::cpu_seconds;
 use crate::mesh::{Ends, Patch, ShellMesh, Side, SolidMesh};
 use crate::model::system::{LoadedSystem, System};
-use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads, free_motions};
+use crate::model::{
+    DeadLoad, EdgeSupports, FollowerForce, PartModel, PartSetup, PatchLoads, free_motions,
+};
 use crate::solve::{
     Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, Stop, follow_watched,
 };
@@ -79,20 +81,6 @@ impl Shape {
     /// # Errors
     /// When the surface or what holds it does not make a shell.
     pub(super) fn new(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
-        let mut shape = Self::unfolded(scene, source)?;
-        if let PartSource::Tetrahedra { .. } = source {
-            // Folds are those of middles of walls.
-            return Ok(shape);
-        }
-        match scene.self_contact()? {
-            Some(settings) => shape.model.keep_folds_apart(settings),
-            None => shape.model.watch_folds(!scene.load.may_overlap),
-        }
-        Ok(shape)
-    }
-
-    /// The part without contact of its folds.
-    fn unfolded(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
         if let PartSource::Patch(section) = source {
             return of_patch(scene, section);
         }
@@ -101,8 +89,8 @@ impl Shape {
         }
         let mesh = closed_part::shell(scene, source)?;
         let support = closed_part::support(source, &mesh);
-        let planes = scene.plane_settings(scene.load_settings().pressure)?;
-        let model = PartModel::new(&mesh, &scene.material.material()?, &support, &planes)
+        let setup = scene.setup(scene.load_settings().pressure)?;
+        let model = PartModel::new(&mesh, &scene.material.material()?, &support, &setup)
             .map_err(|rejected| anyhow!("{rejected}"))?;
         let watches = watches_of_closed(scene, &mesh)?;
         let (chamber, warnings, tip) = (None, Vec::new(), None);
@@ -131,7 +119,6 @@ impl Shape {
         } else {
             let at_rest = self.model.volume(&vec![0.0; self.model.unknowns()]);
             let programme = scene.programme(at_rest)?;
-            self.model.set_stretch_bound(largest.stretch_bound);
             let mut progress = WalkProgress::new(programme, is_silent);
             let (model, solver, path) = (&mut self.model, solver.as_mut(), &largest.path);
             let note = &mut |point: &PathPoint| progress.note(point);
@@ -174,7 +161,8 @@ fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
     );
     ensure!(clamp_top < ends.tip_bottom && length > 0.0, holds_the_tip(clamp_top, ends.tip_bottom));
     let vertices = ends.tip(surface.positions.iter().map(|x| x.z));
-    let planes = scene.plane_settings(scene.load_settings().pressure)?;
+    // Folds are those of middles of walls.
+    let setup = PartSetup { folds: None, ..scene.setup(scene.load_settings().pressure)? };
     let held = SolidMesh::unknowns_of(&clamped);
     if let Some(motions) = free_motions(&mesh.positions, &held) {
         bail!(
@@ -182,7 +170,7 @@ fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
         );
     }
     let material = scene.material.material()?;
-    let model = PartModel::of_solid(mesh, thickness, &material, held, &planes)
+    let model = PartModel::of_solid(mesh, thickness, &material, &held.into(), &setup)
         .map_err(|rejected| anyhow!("{rejected}"))?;
     let watch = |watched| Watch { watched, vertices: vertices.clone(), length };
     let watches = scene.watches.iter().map(|section| section.watched().map(watch));
@@ -245,11 +233,16 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
             "[part.patch] can move freely: {motions}; hold it with an [[edge]] or a [[pin]]{of_planes}"
         );
     }
-    loads.planes = scene.plane_settings(loads.mean_pressure(&patch))?;
+    let setup = scene.setup(loads.mean_pressure(&patch))?;
     let material = scene.material.material()?;
-    let model =
-        PartModel::of_patch(&patch, scene.wall.element.unwrap_or_default(), &material, &loads)
-            .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
+    let model = PartModel::of_patch(
+        &patch,
+        scene.wall.element.unwrap_or_default(),
+        &material,
+        &loads,
+        &setup,
+    )
+    .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
     let watches = scene
         .watches
         .iter()

@@ -99,27 +99,23 @@ pub(super) fn run(
     check_tip(&mesh, &scene.wall).with_context(|| path.display().to_string())?;
     let surface = SurfaceQuality::of(&mesh.surface)?;
 
-    let planes = scene.plane_settings(scene.load_settings().pressure)?;
+    let setup = scene.setup(scene.load_settings().pressure)?;
     let material = scene.material.material()?;
     if job.is_first() {
         instability(&material).iter().for_each(|line| warn(line));
     }
     let failed = |rejected: Rejected| anyhow!("{}: {rejected}", path.display());
-    let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &planes).map_err(failed)?;
+    let mut model = PartModel::new(&mesh, &material, &Support::Clamp, &setup).map_err(failed)?;
     let judgement = own_surface::judged(&scene, &source, &mesh, &model)?;
     if job.is_first() {
         lies.iter().chain(&judgement).for_each(|line| warn(line));
-    }
-    model.watch_folds(!scene.load.may_overlap);
-    if let Some(settings) = scene.self_contact()? {
-        model.keep_folds_apart(settings);
     }
     let mut solid = match &scene.solid {
         None => None,
         Some(section) => Some(SolidPart::new(&model, mesh.thickness, section)?.map_err(failed)?),
     };
     if let Some(solid) = &solid {
-        model = solid.model(&mesh, &material, &planes).map_err(failed)?;
+        model = solid.model(&mesh, &material, &setup).map_err(failed)?;
     }
     let meshing = cpu_seconds() - start;
     let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
@@ -209,7 +205,6 @@ fn walk(
 ) -> anyhow::Result<(Walked, SolveTimes)> {
     let mut solver = scene.solver.backend.solver_by(scene.solver.linear, model.pattern())?;
     let load = scene.load_settings();
-    model.set_stretch_bound(load.stretch_bound);
     let programme = scene.programme(model.volume(&vec![0.0; model.unknowns()]))?;
     let mut progress = WalkProgress::new(programme, is_silent);
     let (solver_ref, settings) = (solver.as_mut(), &load.path);

@@ -15,9 +15,8 @@ use crate::mesh::tetrahedra::{
     Attempt, Filled, TetMesher, TetQuality, TetSettings, Unfilled, filled_wall,
 };
 use crate::mesh::{ShellMesh, SolidMesh, WallSettings, wall_surfaces};
-use crate::model::PartModel;
-use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
+use crate::model::{PartModel, PartSetup, SolidLoads};
 use crate::surface::{SignedDistance, TriangleMesh};
 
 /// How a wall becomes tetrahedra, and what its answers say of the shell's.
@@ -213,20 +212,22 @@ impl SolidPart {
         }
     }
 
-    /// The model of the wall, which shows the vertices of its `shell`.
+    /// The model of the wall among what `setup` lists, which shows the vertices of its `shell`.
     ///
     /// # Errors
-    /// As [`PartModel::of_solid`] and [`PartModel::show`].
+    /// As [`PartModel::of_solid`].
     pub(super) fn model(
         &self,
         shell: &ShellMesh,
         material: &Material,
-        planes: &[PlaneSettings],
+        setup: &PartSetup,
     ) -> Result<PartModel, Rejected> {
         let held = SolidMesh::unknowns_of(&self.mesh.nodes_below(shell.clamp_top));
-        let mut model = PartModel::of_solid(&self.mesh, shell.thickness, material, held, planes)?;
-        model.show(&self.mesh, &shell.surface.positions)?;
-        Ok(model)
+        let shown = Some(shell.surface.positions.as_slice());
+        let loads = SolidLoads { held, shown, ..SolidLoads::default() };
+        // Folds are those of middles of walls.
+        let setup = PartSetup { folds: None, ..setup.clone() };
+        PartModel::of_solid(&self.mesh, shell.thickness, material, &loads, &setup)
     }
 }
 

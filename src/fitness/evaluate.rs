@@ -18,7 +18,7 @@ use crate::mesh::ShellMesh;
 use crate::model::contact::PlaneSettings;
 use crate::model::material::Material;
 use crate::model::system::System;
-use crate::model::{DEFAULT_STRETCH_BOUND, PartModel, Support};
+use crate::model::{DEFAULT_STRETCH_BOUND, PartModel, PartSetup, Support};
 use crate::solve::{Backend, Ending, Path, PathPoint, PathSettings, SolveTimes, Stop, follow_from};
 
 /// The loading programme.
@@ -36,6 +36,14 @@ pub struct LoadSettings {
 impl Default for LoadSettings {
     fn default() -> Self {
         Self { pressure: 0.2, stretch_bound: DEFAULT_STRETCH_BOUND, path: PathSettings::default() }
+    }
+}
+
+impl LoadSettings {
+    /// The setup of a part among `planes`, with the bound on its stretch.
+    #[must_use]
+    pub fn setup(&self, planes: Vec<PlaneSettings>) -> PartSetup {
+        PartSetup { planes, stretch_bound: self.stretch_bound, ..PartSetup::default() }
     }
 }
 
@@ -143,14 +151,14 @@ pub fn evaluate(
     backend: Backend,
     stop: Stop<'_>,
 ) -> Result<Result<(Evaluation, Scenarios), Rejected>, Unevaluated> {
-    let plane = fitness.plane(load.pressure);
-    match PartModel::new(mesh, material, &Support::Clamp, &[plane]) {
+    let setup = load.setup(vec![fitness.plane(load.pressure)]);
+    match PartModel::new(mesh, material, &Support::Clamp, &setup) {
         Ok(model) => evaluate_model(mesh, model, load, fitness, backend, stop),
         Err(rejected) => Ok(Err(rejected)),
     }
 }
 
-/// Walks both scenarios of `model`, which shows the vertices of `mesh` and has the plane of `fitness`.
+/// Walks both scenarios of `model`, which shows the vertices of `mesh` and has the plane of `fitness` and the bound of `load`.
 ///
 /// # Errors
 /// As [`evaluate`].
@@ -162,7 +170,6 @@ pub fn evaluate_model(
     backend: Backend,
     stop: Stop<'_>,
 ) -> Result<Result<(Evaluation, Scenarios), Rejected>, Unevaluated> {
-    model.set_stretch_bound(load.stretch_bound);
     let mut solver = backend.solver(model.pattern())?;
     model.lift_planes(true);
     let solver = solver.as_mut();

@@ -15,6 +15,7 @@ use super::load::{
 };
 use super::local::{LocalDerivatives, Term};
 use super::material::Material;
+use super::part_term::PartTerm;
 use super::patch_model::PatchLoads;
 use super::system::Inadmissible;
 use super::tie::Ties;
@@ -416,6 +417,12 @@ impl Wall {
             Self::MidEdge(wall) => wall.creased_share(),
             Self::Solid(_) => 0.0,
         }
+    }
+}
+
+impl PartTerm for Wall {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
     }
 }
 

@@ -4,6 +4,7 @@
 //! gradient and Hessian that a solver sees through [`system::System`].
 
 pub mod assembly;
+mod body;
 pub mod contact;
 pub mod dirichlet;
 mod discretization;
@@ -16,6 +17,8 @@ mod membrane;
 mod part_folds;
 mod part_model;
 mod part_picture;
+mod part_setup;
+mod part_term;
 mod patch_model;
 mod reaction;
 mod rigid_motion;
@@ -32,10 +35,11 @@ pub use edge_support::{EdgeSupport, EdgeSupports};
 pub use element::{ShellState, SolidState};
 pub use load::{DeadLoad, FollowerForce};
 pub use membrane::{MembraneState, membrane_states};
-pub use part_model::{PartModel, Support};
+pub use part_model::PartModel;
 pub use part_picture::{BorneStates, ContactStates, PictureCells};
+pub use part_setup::{FoldContact, PartSetup, Support};
 pub use patch_model::PatchLoads;
 pub use reaction::Reaction;
 pub use rigid_motion::free_motions;
-pub use solid_loads::Cut;
+pub use solid_loads::{Cut, SolidLoads};
 pub use stretch_bound::DEFAULT_STRETCH_BOUND;

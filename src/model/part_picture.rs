@@ -1,5 +1,7 @@
 //! What a picture of a part shows: its surface as smooth as its element has it, its cells, and what wall and faces bear.
 
+use super::contact::PlaneContact;
+use super::contact::self_contact::WallContact;
 use super::discretization::Wall;
 use super::element::{ShellState, SolidState};
 use super::part_model::PartModel;
@@ -38,7 +40,7 @@ impl PartModel {
     /// Whether its wall is made of solid cells.
     #[must_use]
     pub fn is_solid(&self) -> bool {
-        matches!(self.wall.inner(), Wall::Solid(_))
+        matches!(self.wall(), Wall::Solid(_))
     }
 
     /// The points of a picture at rest (mm), the vertices first, and its cells.
@@ -46,11 +48,11 @@ impl PartModel {
     /// Of a Loop shell they lie on the limit surface.
     #[must_use]
     pub fn picture_cells(&self) -> (Vec<Vec3>, PictureCells) {
-        let triangles = || self.surface.facets.as_chunks::<4>().0.iter();
-        let at_rest = || self.surface.at(&self.reference);
-        match self.wall.inner() {
+        let triangles = || self.body.surface.facets.as_chunks::<4>().0.iter();
+        let at_rest = || self.body.surface.at(&self.body.reference);
+        match self.wall() {
             Wall::Solid(body) => {
-                (self.reference.clone(), PictureCells::QuadraticTetrahedra(body.cells()))
+                (self.body.reference.clone(), PictureCells::QuadraticTetrahedra(body.cells()))
             }
             Wall::Loop(_) => {
                 let cell = |[[p0, p5, p4], [p1, p3, _], [p2, ..], _]: &[[u32; 3]; 4]| {
@@ -61,7 +63,7 @@ impl PartModel {
             Wall::MidEdge(_) => {
                 let cell = |[[p0, ..], [p1, ..], [p2, ..], _]: &[[u32; 3]; 4]| [*p0, *p1, *p2];
                 let mut points = at_rest();
-                points.truncate(self.surface.vertices);
+                points.truncate(self.body.surface.vertices);
                 (points, PictureCells::Triangles(triangles().map(cell).collect()))
             }
         }
@@ -70,13 +72,13 @@ impl PartModel {
     /// Displacements at the unknowns `u` of the points of [`Self::picture_cells`], mm.
     #[must_use]
     pub fn picture_displacements(&self, u: &[f64]) -> Vec<Vec3> {
-        let displacements = self.displacements(u);
-        match self.wall.inner() {
+        let displacements = self.body.displacements(u);
+        match self.wall() {
             Wall::Solid(_) => displacements,
-            Wall::Loop(_) => self.surface.at(&displacements),
+            Wall::Loop(_) => self.body.surface.at(&displacements),
             Wall::MidEdge(_) => {
-                let mut points = self.surface.at(&displacements);
-                points.truncate(self.surface.vertices);
+                let mut points = self.body.surface.at(&displacements);
+                points.truncate(self.body.surface.vertices);
                 points
             }
         }
@@ -85,13 +87,15 @@ impl PartModel {
     /// What the cells of [`Self::picture_cells`] bear at the unknowns `u`; none where an element has collapsed.
     #[must_use]
     pub fn borne_states(&self, u: &[f64]) -> Option<BorneStates> {
-        let thickness = self.folds.thickness;
+        let thickness = self.fold_watch.thickness;
         let shell = |states: Result<Vec<ShellState>, _>| states.ok().map(BorneStates::Shell);
-        match self.wall.inner() {
-            Wall::Solid(body) => Some(BorneStates::Solid(body.states(&self.untied(u)))),
-            Wall::Loop(wall) => shell(wall.states(&self.reference, &self.displaced(u), thickness)),
+        match self.wall() {
+            Wall::Solid(body) => Some(BorneStates::Solid(body.states(&self.body.untied(u)))),
+            Wall::Loop(wall) => {
+                shell(wall.states(&self.body.reference, &self.body.displaced(u), thickness))
+            }
             Wall::MidEdge(wall) => {
-                shell(wall.states(&self.reference, &self.displaced(u), thickness))
+                shell(wall.states(&self.body.reference, &self.body.displaced(u), thickness))
             }
         }
     }
@@ -99,8 +103,10 @@ impl PartModel {
     /// The pressures in a solid at the unknowns `u`, one for each node, positive where they press together, MPa; none of shells.
     #[must_use]
     pub fn solid_pressures(&self, u: &[f64]) -> Option<Vec<f64>> {
-        match self.wall.inner() {
-            Wall::Solid(body) => Some(body.pressures(self.reference.len(), &self.untied(u))),
+        match self.wall() {
+            Wall::Solid(body) => {
+                Some(body.pressures(self.body.reference.len(), &self.body.untied(u)))
+            }
             Wall::Loop(_) | Wall::MidEdge(_) => None,
         }
     }
@@ -110,24 +116,26 @@ impl PartModel {
     /// Nodes inside a solid touch nothing.
     #[must_use]
     pub fn contact_states(&self, u: &[f64]) -> Option<ContactStates> {
-        if self.planes.is_empty() && self.folds.contact.is_none() {
+        if self.each::<PlaneContact>().next().is_none() && !self.keeps_folds_apart() {
             return None;
         }
-        let positions = self.displaced(u);
-        let samples = self.surface.samples.len();
+        let positions = self.body.displaced(u);
+        let samples = self.body.surface.samples.len();
         let mut gaps = vec![f64::NAN; samples];
         let mut pressures = vec![0.0; samples];
-        self.planes.add_contact(&positions, &mut gaps, &mut pressures);
-        if let Some(contact) = &self.folds.contact {
+        for contact in self.each::<PlaneContact>() {
             contact.add_contact(&positions, &mut gaps, &mut pressures);
         }
-        Some(match self.wall.inner() {
+        for contact in self.each::<WallContact>() {
+            contact.add_contact(&positions, &mut gaps, &mut pressures);
+        }
+        Some(match self.wall() {
             Wall::Solid(_) => {
-                let nodes = self.reference.len();
+                let nodes = self.body.reference.len();
                 let mut all =
                     ContactStates { gaps: vec![f64::NAN; nodes], pressures: vec![0.0; nodes] };
                 for ((sample, gap), pressure) in
-                    self.surface.samples.iter().zip(gaps).zip(pressures)
+                    self.body.surface.samples.iter().zip(gaps).zip(pressures)
                 {
                     let node = sample.heaviest() as usize;
                     (all.gaps[node], all.pressures[node]) = (gap, pressure);
@@ -136,8 +144,8 @@ impl PartModel {
             }
             Wall::Loop(_) => ContactStates { gaps, pressures },
             Wall::MidEdge(_) => {
-                gaps.truncate(self.surface.vertices);
-                pressures.truncate(self.surface.vertices);
+                gaps.truncate(self.body.surface.vertices);
+                pressures.truncate(self.body.surface.vertices);
                 ContactStates { gaps, pressures }
             }
         })

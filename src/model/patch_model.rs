@@ -1,11 +1,12 @@
 //! The model of an open patch: its supports, its loads.
 
-use super::contact::{Faces, PlaneSettings};
+use super::contact::Faces;
 use super::discretization::Discretization;
 use super::edge_support::{EdgeSupport, EdgeSupports};
-use super::load::{DeadLoad, EdgeMoment, FollowerForce, FollowerLoads, Loaded};
+use super::load::{DeadForces, DeadLoad, EdgeMoment, FollowerForce, FollowerLoads, Loaded};
 use super::material::Material;
-use super::part_model::PartModel;
+use super::part_model::{Loads, PartModel};
+use super::part_setup::PartSetup;
 use super::system::LoadedSystem;
 use crate::math::{Rejected, Room, Vec3};
 use crate::mesh::{BoundaryEdge, Patch, ShellElement, Side};
@@ -25,8 +26,6 @@ pub struct PatchLoads {
     pub followers: Vec<FollowerForce>,
     /// Moments per length (N mm / mm) along sides; the vector is the axis, to which the side is parallel and stays so.
     pub moments: Vec<(Side, Vec3)>,
-    /// Rigid planes, which either face may touch.
-    pub planes: Vec<PlaneSettings>,
 }
 
 impl PatchLoads {
@@ -58,7 +57,8 @@ impl PatchLoads {
 }
 
 impl PartModel {
-    /// An open patch under `loads`; its load is the factor that multiplies them all.
+    /// An open patch under `loads`, among what `setup` lists, which either face may touch; its load is the factor that multiplies the
+    /// loads.
     ///
     /// # Errors
     /// [`Rejected`] when a support or a load does not fit the patch.
@@ -67,6 +67,7 @@ impl PartModel {
         element: ShellElement,
         material: &Material,
         loads: &PatchLoads,
+        setup: &PartSetup,
     ) -> Result<Self, Rejected> {
         let parts = Discretization::of_patch(patch, element, loads, material)?;
         let edges = patch.boundary_edges();
@@ -78,14 +79,16 @@ impl PartModel {
             edges: &edges,
             triangles: &patch.surface.triangles,
         };
-        let mut forces = loaded.nodal_forces(&loads.dead);
+        let mut terms = Loads::default();
+        if !loads.dead.is_empty() {
+            terms.dead = Some(DeadForces::new(loaded.nodal_forces(&loads.dead), &parts.ties));
+        }
         let mut carriers = parts.carriers(patch, &loads.followers, &loaded);
-        let mut chamber = None;
         if loads.pressure != 0.0 {
             let points_of = |edge: &BoundaryEdge| loaded.points_of(edge);
             let (potential, rim) =
                 parts.pressure_of(patch, &loads.supports, loads.pressure, points_of)?;
-            chamber = Some(potential);
+            terms.others.push(Box::new(potential.under(loads.pressure)));
             carriers.extend(rim);
         }
         let (mut stencils, mut moment_edges) = (Vec::new(), Vec::new());
@@ -100,21 +103,19 @@ impl PartModel {
             stencils.extend(nodes);
             moment_edges.extend(edges);
         }
-        let moments = (!stencils.is_empty()).then(|| EdgeMoment::new(stencils, moment_edges));
-        let untied_forces = forces.clone();
-        parts.ties.reduce(&mut forces);
-        let mut model = Self::assembled(parts, chamber, moments, Vec::new(), material);
+        if !stencils.is_empty() {
+            terms.others.push(Box::new(EdgeMoment::new(stencils, moment_edges)));
+        }
+        if !carriers.is_empty() {
+            let (stencils, followers) = carriers.into_iter().unzip();
+            terms.others.push(Box::new(FollowerLoads::new(stencils, followers)));
+        }
+        let faces = Faces::about_middle(patch.thickness);
+        let mut model = Self::assembled(parts, terms, Vec::new(), material, faces, setup);
         if model.free_unknowns() == 0 {
             let detail =
                 "nothing of the patch can move; it wants more cells between its held sides";
             return Err(Rejected::new(Room::Model, "nothing_moves", detail.to_owned(), 1.0));
-        }
-        model.place(&loads.planes, Faces::about_middle(patch.thickness));
-        model.pressure = loads.pressure;
-        (model.forces, model.untied_forces) = (forces, untied_forces);
-        if !carriers.is_empty() {
-            let (stencils, followers) = carriers.into_iter().unzip();
-            model.follow_with(FollowerLoads::new(stencils, followers));
         }
         let rest = vec![0.0; model.unknowns()];
         let mut load = rest.clone();
@@ -151,7 +152,9 @@ mod tests {
         let loads = PatchLoads { supports: symmetry, pressure: 0.01, ..Default::default() };
         let material = Material::NeoHookean(NeoHookean { mu: 1.3 });
         for (element, tolerance) in [(ShellElement::Loop, 1e-5), (ShellElement::MidEdge, 1e-2)] {
-            let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
+            let mut model =
+                PartModel::of_patch(&patch, element, &material, &loads, &PartSetup::default())
+                    .unwrap();
             let rest = vec![0.0; model.unknowns()];
             let exact = std::f64::consts::PI * 25.0 / 4.0 * 3.0;
             // Chords of a sixteenth of a right angle: of second order for facets, of fourth on the limit surface.
@@ -184,7 +187,9 @@ mod tests {
             let patch = Patch::new(cells, [0.0, 6.0], [0.0, 2.0], thickness, &plate).unwrap();
             for element in ELEMENTS {
                 let loads = PatchLoads::default();
-                let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
+                let mut model =
+                    PartModel::of_patch(&patch, element, &material, &loads, &PartSetup::default())
+                        .unwrap();
                 let mut u = vec![0.0; model.unknowns()];
                 for (node, &place) in patch.node_places().iter().enumerate() {
                     if element == ShellElement::Loop || node < patch.vertices() {
@@ -209,7 +214,14 @@ mod tests {
         let measured = |shift: Vec3| {
             let tube = |s: f64, t: f64| shift + Vec3::new(5.0 * s.cos(), 5.0 * s.sin(), t);
             let patch = Patch::new([8, 3], [0.0, right], [1.0, 4.0], 0.1, &tube).unwrap();
-            let model = PartModel::of_patch(&patch, ShellElement::Loop, &material, &loads).unwrap();
+            let model = PartModel::of_patch(
+                &patch,
+                ShellElement::Loop,
+                &material,
+                &loads,
+                &PartSetup::default(),
+            )
+            .unwrap();
             let u: Vec<f64> = (0..model.unknowns()).map(|k| 0.1 * (k as f64).sin()).collect();
             let mut direction = vec![0.0; u.len()];
             model.load_direction(&u, &mut direction);
@@ -245,7 +257,8 @@ mod tests {
             ..Default::default()
         };
         let material = Material::NeoHookean(NeoHookean { mu: 1.3 });
-        let mut model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
+        let mut model =
+            PartModel::of_patch(&patch, element, &material, &loads, &PartSetup::default()).unwrap();
         model.set_load(0.7);
         let mut u: Vec<f64> =
             (0..model.unknowns()).map(|k| 0.03 * (1.3 * k as f64).sin()).collect();
@@ -334,7 +347,9 @@ mod tests {
             let forces = |last: EdgeSupport| {
                 let supports = [EdgeSupport::Clamped, last, symmetry, symmetry];
                 let loads = PatchLoads { supports, pressure: 0.01, ..Default::default() };
-                let model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
+                let model =
+                    PartModel::of_patch(&patch, element, &material, &loads, &PartSetup::default())
+                        .unwrap();
                 let mut direction = vec![0.0; model.unknowns()];
                 let u: Vec<f64> = patch
                     .node_places()

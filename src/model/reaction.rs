@@ -10,8 +10,10 @@
 //! What a rough plane drags a clamped node itself along with is left out: it passes through no wall.
 
 use super::assembly::Slots;
+use super::load::DeadForces;
 use super::local::Term;
 use super::part_model::PartModel;
+use super::part_term::in_place;
 use super::system::LoadedSystem;
 use crate::math::Vec3;
 
@@ -36,10 +38,11 @@ impl PartModel {
     pub fn reaction(&mut self, u: &[f64], load: f64) -> Option<Reaction> {
         let held = self.held_nodes();
         // Beyond the sides of a patch are nodes that are no places of it.
-        let is_place =
-            |node: &&u32| self.ties.is_empty() || (**node as usize) < self.surface.vertices;
+        let is_place = |node: &&u32| {
+            self.body.ties.is_empty() || (**node as usize) < self.body.surface.vertices
+        };
         let places: Vec<Vec3> =
-            held.iter().filter(is_place).map(|&node| self.reference[node as usize]).collect();
+            held.iter().filter(is_place).map(|&node| self.body.reference[node as usize]).collect();
         if places.is_empty() {
             return None;
         }
@@ -59,9 +62,9 @@ impl PartModel {
 
     /// Nodes of the wall of which an unknown is held.
     fn held_nodes(&self) -> Vec<u32> {
-        let mut is_used = vec![false; self.reference.len()];
-        let places = |node: &&u32| (**node as usize) < self.reference.len();
-        for &node in self.wall.inner().stencils().iter().flatten().filter(places) {
+        let mut is_used = vec![false; self.body.reference.len()];
+        let places = |node: &&u32| (**node as usize) < self.body.reference.len();
+        for &node in self.wall().stencils().iter().flatten().filter(places) {
             is_used[node as usize] = true;
         }
         let nodes = self.dirichlet.unknowns().iter().map(|unknown| unknown / 3);
@@ -73,7 +76,7 @@ impl PartModel {
 
     /// The nodes `held`, and all that ties bind to others.
     fn supported_nodes(&self, mut held: Vec<u32>) -> Vec<u32> {
-        held.extend(self.ties.bound());
+        held.extend(self.body.ties.bound());
         held.sort_unstable();
         held.dedup();
         held
@@ -81,39 +84,27 @@ impl PartModel {
 
     /// `dE/dx` of `nodes`, N, with the positions of all, mm; what does not concern them is not evaluated.
     fn forces_before_supports(&mut self, nodes: &[u32], u: &[f64]) -> (Vec<Vec3>, Vec<Vec3>) {
-        let mut positions = self.displaced(u);
+        self.prepare(u);
+        let Self { body, terms, assembler, .. } = self;
+        let mut positions = body.displaced(u);
         let pressures = &u[3 * positions.len()..];
         positions.extend(pressures.iter().map(|&q| Vec3::new(q, 0.0, 0.0)));
-        self.list_folds(u);
         let mut gradient = vec![0.0; u.len()];
-        let assembler = &mut self.assembler;
         let mut share = vec![false; u.len()];
         nodes.iter().for_each(|&node| share[3 * node as usize..][..3].fill(true));
         assembler.set_share(Some(&share));
-        let mut add = |term: &dyn Term| {
-            let added = assembler.add(term, &Slots::default(), &positions, &mut gradient, None);
+        for term in in_place(terms).filter(|term| term.acts_on_supports()) {
+            let none = Slots::default();
+            let added = assembler.add(term, &none, &positions, &mut gradient, None);
             added.expect("an equilibrium is admissible");
-        };
-        add(self.wall.inner());
-        if let Some(chamber) = &self.chamber {
-            add(chamber.inner());
         }
-        if let Some((moments, _)) = &self.moments {
-            add(moments.inner());
-        }
-        if let Some((followers, _)) = &self.followers {
-            add(followers.inner());
-        }
-        self.planes.contacts().for_each(&mut add);
-        if let Some(contact) = &self.folds.contact {
-            add(contact.untied_term());
-        }
-        self.assembler.set_share(None);
-        let places = gradient[..3 * self.reference.len()].as_chunks().0;
+        assembler.set_share(None);
+        let places = gradient[..3 * self.body.reference.len()].as_chunks().0;
         let mut forces: Vec<Vec3> = places.iter().map(|&g: &[f64; 3]| g.into()).collect();
-        let dead = if self.ties.is_empty() { &self.forces } else { &self.untied_forces };
-        for (sum, force) in forces.iter_mut().zip(dead) {
-            *sum -= self.load * force;
+        for dead in self.each::<DeadForces>() {
+            for (sum, force) in forces.iter_mut().zip(dead.on_nodes()) {
+                *sum -= dead.load_factor * force;
+            }
         }
         (forces, positions)
     }

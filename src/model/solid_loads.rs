@@ -6,9 +6,8 @@
 //!
 //! Source of the rule: Dunavant (1985).
 
-use super::PartModel;
 use super::element::ElementPoints;
-use super::load::{ChamberPressure, Fan};
+use super::load::{ChamberPressure, Fan, LidFan};
 use crate::math::Vec3;
 use crate::mesh::SolidMesh;
 
@@ -21,23 +20,46 @@ pub struct Cut {
     pub apex: Vec3,
 }
 
-impl PartModel {
-    /// Adds forces that keep their direction to the load of 1: `per_area` at rest (MPa) on `faces`, as [`SolidMesh::outer`].
-    pub fn pull(&mut self, faces: &[[u32; 6]], per_area: Vec3) {
-        self.forces.resize(self.reference.len(), Vec3::zeros());
-        for face in faces {
-            let corners = face.map(|node| self.reference[node as usize]);
-            for (node, area) in face.iter().zip(areas(&corners)) {
-                self.forces[*node as usize] += area * per_area;
+/// How a solid is held and loaded, and what is shown of it.
+#[derive(Clone, Debug, Default)]
+pub struct SolidLoads<'a> {
+    /// Unknowns that are held, `3 node + axis`.
+    pub held: Vec<u32>,
+    /// Forces per area at rest (MPa) on faces, as [`SolidMesh::outer`], at a load of 1; they keep their direction.
+    pub tractions: Vec<(Vec<[u32; 6]>, Vec3)>,
+    /// Planes of symmetry that cut the chamber open and miss the origin.
+    pub cuts: Vec<Cut>,
+    /// Points at rest whose displacements are shown, mm; `None`: the corners of the boundary.
+    pub shown: Option<&'a [Vec3]>,
+}
+
+impl From<Vec<u32>> for SolidLoads<'_> {
+    /// Held so, with a pressure in its chamber alone.
+    fn from(held: Vec<u32>) -> Self {
+        Self { held, ..Self::default() }
+    }
+}
+
+impl SolidLoads<'_> {
+    /// The forces of the tractions on each node of `mesh`, N.
+    pub(super) fn nodal_forces(&self, mesh: &SolidMesh) -> Vec<Vec3> {
+        let mut forces = vec![Vec3::zeros(); mesh.positions.len()];
+        for (faces, per_area) in &self.tractions {
+            for face in faces {
+                let corners = face.map(|node| mesh.positions[node as usize]);
+                for (node, area) in face.iter().zip(areas(&corners)) {
+                    forces[*node as usize] += area * per_area;
+                }
             }
         }
+        forces
     }
 
-    /// Closes the chamber of `mesh`, which planes of symmetry cut open, across those that miss the origin.
-    pub fn close_chamber(&mut self, mesh: &SolidMesh, cuts: &[Cut]) {
+    /// The chamber of `mesh`, closed across its cuts and by its lids.
+    pub(super) fn chamber(&self, mesh: &SolidMesh) -> ChamberPressure {
         let points = |&face: &[u32; 6]| ElementPoints::of_quadratic(face);
         let mut fans = Vec::new();
-        for Cut { nodes, apex } in cuts {
+        for Cut { nodes, apex } in &self.cuts {
             let is_cut = |node: u32| nodes.binary_search(&node).is_ok();
             for face in &mesh.chamber {
                 for k in 0..3 {
@@ -49,7 +71,8 @@ impl PartModel {
             }
         }
         let faces: Vec<ElementPoints> = mesh.chamber.iter().map(points).collect();
-        self.replace_chamber(ChamberPressure::cut(&faces, fans, Vec3::zeros()));
+        let lids = mesh.lids.iter().map(|lid| LidFan::new(&lid.rim, &mesh.positions)).collect();
+        ChamberPressure::cut(&faces, fans, Vec3::zeros()).with_lids(lids)
     }
 }
 
@@ -110,10 +133,11 @@ mod tests {
     use crate::mesh::unit_lattice;
     use crate::model::material::{Material, NeoHookean};
     use crate::model::system::LoadedSystem;
+    use crate::model::{PartModel, PartSetup};
 
-    fn model(mesh: &SolidMesh) -> PartModel {
+    fn model(mesh: &SolidMesh, loads: &SolidLoads<'_>) -> PartModel {
         let material = Material::NeoHookean(NeoHookean { mu: 1.3 });
-        PartModel::of_solid(mesh, 0.5, &material, Vec::new(), &[]).unwrap()
+        PartModel::of_solid(mesh, 0.5, &material, loads, &PartSetup::default()).unwrap()
     }
 
     /// A uniform traction on a flat face: nothing on its corners, a third of each triangle on midpoints; its work is
@@ -122,12 +146,14 @@ mod tests {
     fn flat_faces_share_their_traction() {
         let sides = Vec3::new(3.0, 2.0, 1.0);
         let mesh = SolidMesh::block([2, 2, 1], &|x| x.component_mul(&sides));
-        let mut model = model(&mesh);
         let traction = Vec3::new(0.1, -0.4, 0.7);
-        model.pull(&mesh.faces_where(|x| x.z == 1.0), traction);
-        let total: Vec3 = model.forces.iter().sum();
+        let tractions = vec![(mesh.faces_where(|x| x.z == 1.0), traction)];
+        let loads = SolidLoads { tractions, ..Default::default() };
+        let forces = loads.nodal_forces(&mesh);
+        let total: Vec3 = forces.iter().sum();
         assert_relative_eq!(total, 6.0 * traction, max_relative = 1e-14);
-        assert!(model.forces[..mesh.corners].iter().all(|force| force.norm() < 1e-15));
+        let model = model(&mesh, &loads);
+        assert!(forces[..mesh.corners].iter().all(|force| force.norm() < 1e-15));
         let way = Vec3::new(-0.2, 0.3, 0.5);
         let u: Vec<f64> = (0..model.unknowns())
             .map(|k| if k < 3 * mesh.positions.len() { way[k % 3] } else { 0.0 })
@@ -143,9 +169,9 @@ mod tests {
             (5.0 + x.z) * Vec3::new(angle.cos(), angle.sin(), 0.0) + 3.0 * x.y * Vec3::z()
         };
         let mesh = SolidMesh::block([8, 2, 1], &tube);
-        let mut model = model(&mesh);
-        model.pull(&mesh.faces_where(|x| x.xy().norm() > 5.99), Vec3::x());
-        let total: Vec3 = model.forces.iter().sum();
+        let tractions = vec![(mesh.faces_where(|x| x.xy().norm() > 5.99), Vec3::x())];
+        let loads = SolidLoads { tractions, ..Default::default() };
+        let total: Vec3 = loads.nodal_forces(&mesh).iter().sum();
         assert_relative_eq!(total.x, 2.0 * PI * 6.0 / 8.0 * 3.0, max_relative = 1e-6);
     }
 
@@ -158,9 +184,9 @@ mod tests {
             (5.0 + height) * Vec3::new(angle.cos(), angle.sin(), 0.0) + 3.0 * x.y * Vec3::z()
         };
         let mesh = SolidMesh::layers(&unit_lattice([6, 2]), 1, &place);
-        let mut model = model(&mesh);
         let end = mesh.nodes_where(|x| (x.z - 3.0).abs() < 1e-12);
-        model.close_chamber(&mesh, &[Cut { nodes: end, apex: Vec3::new(0.0, 0.0, 3.0) }]);
+        let cuts = vec![Cut { nodes: end, apex: Vec3::new(0.0, 0.0, 3.0) }];
+        let model = model(&mesh, &SolidLoads { cuts, ..Default::default() });
         let rest = vec![0.0; model.unknowns()];
         let exact = 25.0 * FRAC_PI_2 * 0.5 * 3.0;
         assert_relative_eq!(model.volume(&rest), exact, max_relative = 1e-5);

@@ -9,7 +9,9 @@
 
 use std::collections::BTreeSet;
 
-use super::element::SampledSurface;
+use super::body::{Body, Configuration};
+use super::part_term::{PartTerm, without_stencils};
+use super::system::{Limit, LimitKind};
 use crate::math::Vec3;
 
 /// The stretch that ends a path unless another is asked for: 500 % strain, more than printed elastomers survive.
@@ -19,13 +21,14 @@ pub const DEFAULT_STRETCH_BOUND: f64 = 6.0;
 #[derive(Clone, Debug)]
 pub(super) struct StretchBound {
     /// The largest stretch allowed.
-    pub(super) bound: f64,
+    bound: f64,
     /// Two samples and the square of their distance at rest, mm^2.
     sides: Vec<([u32; 2], f64)>,
 }
 
 impl StretchBound {
-    pub(super) fn new(surface: &SampledSurface, reference: &[Vec3]) -> Self {
+    /// Of the surface of `body`.
+    pub(super) fn new(Body { surface, reference, .. }: &Body, bound: f64) -> Self {
         let at_rest = surface.at(reference);
         let ends = |facet: &[u32; 3]| {
             let [a, b, c] = *facet;
@@ -34,11 +37,11 @@ impl StretchBound {
         let sides: BTreeSet<[u32; 2]> = surface.facets.iter().flat_map(ends).collect();
         let square = |[a, b]: [u32; 2]| (at_rest[a as usize] - at_rest[b as usize]).norm_squared();
         let sides = sides.into_iter().map(|side| (side, square(side))).collect();
-        Self { bound: DEFAULT_STRETCH_BOUND, sides }
+        Self { bound, sides }
     }
 
     /// A sample at which the bound is passed most, for samples at `positions`.
-    pub(super) fn passed(&self, positions: &[Vec3]) -> Option<u32> {
+    fn passed(&self, positions: &[Vec3]) -> Option<u32> {
         let square_bound = self.bound * self.bound;
         let stretch = |&([a, b], square): &([u32; 2], f64)| {
             ((positions[a as usize] - positions[b as usize]).norm_squared() / square, a)
@@ -48,20 +51,37 @@ impl StretchBound {
     }
 }
 
+without_stencils!(StretchBound);
+
+impl PartTerm for StretchBound {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    fn passed_limit(&self, at: &Configuration<'_>) -> Option<Limit> {
+        let sample = self.passed(at.samples())?;
+        let node = at.body.surface.samples[sample as usize].heaviest();
+        Some(Limit { kind: LimitKind::Ballooning, unknown: 3 * node as usize })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::model::test_shells::TestShell;
+    use crate::model::tie::Ties;
 
     /// A uniform stretch passes the bound exactly where it is larger.
     #[test]
     fn bound_is_a_stretch() {
         let shell = TestShell::new(0);
         let surface = shell.surface();
-        let bound = StretchBound::new(&surface, &shell.reference);
+        let (reference, ties) = (shell.reference.clone(), Ties::default());
+        let body = Body { reference, ties, surface };
+        let bound = StretchBound::new(&body, DEFAULT_STRETCH_BOUND);
         let stretched = |by: f64| {
             let positions: Vec<Vec3> = shell.reference.iter().map(|x| x * by).collect();
-            bound.passed(&surface.at(&positions))
+            bound.passed(&body.surface.at(&positions))
         };
         assert_eq!(stretched(DEFAULT_STRETCH_BOUND * (1.0 - 1e-9)), None);
         assert!(stretched(DEFAULT_STRETCH_BOUND * (1.0 + 1e-9)).is_some());

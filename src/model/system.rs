@@ -180,6 +180,17 @@ pub trait LoadedSystem: System {
         0.0
     }
 
+    /// What it remembers of the accepted equilibrium at hand.
+    fn memory(&self) -> Memory {
+        Memory::default()
+    }
+
+    /// Goes back to the accepted equilibrium `x [n]` and its `memory`; where that is empty, the history begins there.
+    fn recall(&mut self, x: &[f64], memory: &Memory) {
+        let _ = memory;
+        self.settle(x);
+    }
+
     /// Brings what the energy takes as constant during a solve (the normal forces of friction) up to the equilibrium
     /// `x [n]`; returns how far it was off, as a share of its size. 0 where there is nothing of the kind.
     fn refresh(&mut self, x: &[f64]) -> f64 {
@@ -199,6 +210,26 @@ pub trait LoadedSystem: System {
     fn passed_limit(&self, x: &[f64]) -> Option<Limit> {
         let _ = x;
         None
+    }
+}
+
+/// What a system remembers of an accepted equilibrium beside its unknowns, as where its friction holds on: numbers of each of its
+/// terms; empty of a system without a history.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Memory(Vec<Vec<f64>>);
+
+impl Memory {
+    /// What the terms of a system remember, in their order.
+    #[must_use]
+    pub fn of(terms: impl Iterator<Item = Vec<f64>>) -> Self {
+        let terms: Vec<_> = terms.collect();
+        if terms.iter().all(Vec::is_empty) { Self::default() } else { Self(terms) }
+    }
+
+    /// What the term at `place` remembers.
+    #[must_use]
+    pub fn of_term(&self, place: usize) -> &[f64] {
+        self.0.get(place).map_or(&[], Vec::as_slice)
     }
 }
 

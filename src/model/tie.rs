@@ -68,6 +68,15 @@ impl Ties {
         self.followed.get(node as usize).map_or(&[], Vec::as_slice)
     }
 
+    /// The nodes of `stencil` and what they follow, ascending.
+    pub(super) fn stencil(&self, stencil: &[u32]) -> Vec<u32> {
+        let mut nodes = stencil.to_vec();
+        nodes.extend(stencil.iter().flat_map(|&v| self.of(v).iter().map(|&(leader, _)| leader)));
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
     /// The nodes that follow or are followed, in no order and more than once.
     pub(super) fn bound(&self) -> impl Iterator<Item = u32> {
         let followers = (0u32..).zip(&self.followed).filter(|(_, leaders)| !leaders.is_empty());
@@ -145,21 +154,24 @@ impl<T: Term> Tied<T> {
     /// `term` for nodes at `reference` at rest, tied by `ties`.
     pub(super) fn new(term: T, ties: &Ties, reference: &[Vec3]) -> Self {
         let mut tied = Self { term, stencils: Vec::new(), maps: Vec::new() };
+        tied.tie(ties, reference);
+        tied
+    }
+
+    /// Ties the stencils that the term has now, as [`Self::new`].
+    pub(super) fn tie(&mut self, ties: &Ties, reference: &[Vec3]) {
+        self.stencils.clear();
+        self.maps.clear();
         if ties.is_empty() {
-            return tied;
+            return;
         }
-        for stencil in tied.term.stencils() {
-            let mut nodes = stencil.clone();
-            nodes
-                .extend(stencil.iter().flat_map(|&v| ties.of(v).iter().map(|&(leader, _)| leader)));
-            nodes.sort_unstable();
-            nodes.dedup();
+        for stencil in self.term.stencils() {
+            let nodes = ties.stencil(stencil);
             let map = (nodes != *stencil || stencil.iter().any(|&v| !ties.of(v).is_empty()))
                 .then(|| StencilMap::new(stencil, &nodes, ties, reference));
-            tied.stencils.push(nodes);
-            tied.maps.push(map);
+            self.stencils.push(nodes);
+            self.maps.push(map);
         }
-        tied
     }
 
     /// The term itself.

@@ -8,7 +8,9 @@
 
 use std::ops::Range;
 
-use crate::model::system::{Inadmissible, Layout, Limit, LoadedSystem, SparsityPattern, System};
+use crate::model::system::{
+    Inadmissible, Layout, Limit, LoadedSystem, Memory, SparsityPattern, System,
+};
 
 /// A system on a viscous bed that lets it rest at `anchor`.
 pub(super) struct Damped<'a> {
@@ -124,6 +126,14 @@ impl LoadedSystem for Damped<'_> {
 
     fn settle(&mut self, x: &[f64]) -> f64 {
         self.system.settle(x)
+    }
+
+    fn memory(&self) -> Memory {
+        self.system.memory()
+    }
+
+    fn recall(&mut self, x: &[f64], memory: &Memory) {
+        self.system.recall(x, memory);
     }
 
     fn refresh(&mut self, x: &[f64]) -> f64 {

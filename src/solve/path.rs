@@ -25,7 +25,7 @@ use super::stop::Stop;
 use super::supply::Supply;
 use super::walk::{Walk, fastest};
 use super::{EquilibriumSolver, NewtonSettings, SolverFailure};
-use crate::model::system::LoadedSystem;
+use crate::model::system::{LoadedSystem, Memory};
 
 /// How a path is walked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -101,7 +101,9 @@ pub struct PathPoint {
     pub dissipated: f64,
     /// The unknowns, `[n]`.
     pub x: Vec<f64>,
-    /// Their derivative with respect to the drive, `[n]`.
+    /// What the system remembers there; with it a path goes on from here.
+    pub memory: Memory,
+    /// Derivative of the unknowns with respect to the drive, `[n]`.
     pub rate: Vec<f64>,
     /// The load's derivative with respect to the drive.
     pub load_rate: f64,
@@ -134,6 +136,7 @@ impl PathPoint {
             stored_energy: 0.0,
             dissipated: 0.0,
             x: vec![0.0; order],
+            memory: Memory::default(),
             rate: vec![0.0; order],
             load_rate: 1.0,
             conjugate_rate: 0.0,
@@ -251,7 +254,7 @@ fn walk_on(
         watch,
     };
     if let Some(last) = walk.points.last() {
-        walk.system.settle(&last.x);
+        walk.system.recall(&last.x, &last.memory);
     }
     let ending = match programme {
         Programme::Driven { end, .. } => walk.drive_to(end)?,

@@ -10,7 +10,7 @@ use super::path::{PathPoint, PathSettings};
 use super::stop::Stop;
 use super::supply::Supply;
 use super::{EquilibriumSolver, NewtonReport, NewtonSettings, SolverFailure};
-use crate::model::system::LoadedSystem;
+use crate::model::system::{LoadedSystem, Memory};
 
 /// A path being walked.
 pub(super) struct Walk<'a> {
@@ -258,6 +258,7 @@ impl Walk<'_> {
 
     pub(super) fn accept(&mut self, mut point: PathPoint) {
         let heat = self.system.settle(&point.x);
+        point.memory = self.system.memory();
         point.dissipated += heat;
         point.stored_energy -= heat;
         if let Some(last) = self.points.last() {
@@ -446,6 +447,7 @@ impl Walk<'_> {
             stored_energy: energy + load * conjugate,
             dissipated: self.points.last().map_or(0.0, |last| last.dissipated),
             x: x.clone(),
+            memory: Memory::default(),
             conjugate_rate: bordered::dot(&direction, &rate),
             rate,
             load_rate: 1.0,

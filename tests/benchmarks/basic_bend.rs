@@ -33,7 +33,7 @@ fn walked(mesh: &ShellMesh, backend: Backend, plane: Option<f64>) -> (PartModel,
     let before = |distance| PlaneSettings::new(Vec3::x(), distance, PRESSURE);
     let planes: Vec<PlaneSettings> = plane.map(before).into_iter().collect();
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
-    let mut model = PartModel::new(mesh, &material, &Support::Clamp, &planes).unwrap();
+    let mut model = PartModel::new(mesh, &material, &Support::Clamp, &planes.into()).unwrap();
     let mut solver = backend.solver(model.pattern()).unwrap();
     let settings = PathSettings::default();
     let path = follow(&mut model, solver.as_mut(), PRESSURE, Vec::new(), &settings).unwrap();
@@ -117,14 +117,14 @@ fn plane_blocks_the_part() {
 fn clamp_bears_what_the_plane_takes() {
     let mesh = shell();
     let (model, points) = walked(&mesh, Backend::Native, Some(5.0));
-    let u = &points.last().unwrap().x;
-    let plane = model.plane_states(u)[0];
+    let PathPoint { x: u, memory, .. } = points.last().unwrap();
+    let plane = model.plane_states(u, memory)[0];
     assert!((plane.force.x + model.plane_force(u)).abs() < 1e-12 * model.plane_force(u));
     assert!(plane.bearing_area > 0.0 && plane.bearing_area <= plane.area);
     let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
     let settings = PlaneSettings::new(Vec3::x(), 5.0, PRESSURE);
     let free = Support::Unknowns(Vec::new());
-    let mut free = PartModel::new(&mesh, &material, &free, &[settings]).unwrap();
+    let mut free = PartModel::new(&mesh, &material, &free, &vec![settings].into()).unwrap();
     free.set_load(PRESSURE);
     let mut residual = vec![0.0; u.len()];
     free.residual(u, &mut residual).unwrap();

@@ -7,8 +7,8 @@
 use pneumorph::field::ScalarField;
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{ShellElement, ShellMesh, ShellSettings};
-use pneumorph::model::PartModel;
 use pneumorph::model::material::{Material, NeoHookean};
+use pneumorph::model::{PartModel, PartSetup};
 use pneumorph::solve::{Ending, PathSettings};
 use pneumorph::surface::{RemeshSettings, isosurface, remesh};
 
@@ -47,7 +47,7 @@ fn growth(element: ShellElement) -> f64 {
     };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
     let material = Material::NeoHookean(NeoHookean { mu: 10.0 / 3.0 });
-    let mut model = PartModel::new(&mesh, &material, &support, &[]).unwrap();
+    let mut model = PartModel::new(&mesh, &material, &support, &PartSetup::default()).unwrap();
     let path = walked(&mut model, 0.2, &PathSettings::default());
     assert_eq!(path.ending, Ending::Reached, "{element:?}");
     path.points.last().unwrap().conjugate - path.points[0].conjugate

@@ -12,7 +12,7 @@ use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, Side};
 use pneumorph::model::material::{Material, StVenantKirchhoff};
 use pneumorph::model::system::{LoadedSystem, System};
-use pneumorph::model::{EdgeSupport, FollowerForce, PartModel, PatchLoads};
+use pneumorph::model::{EdgeSupport, FollowerForce, PartModel, PartSetup, PatchLoads};
 use pneumorph::solve::{EquilibriumSolver, NativeSolver, solve_unsymmetric};
 
 const TIP_FORCE: [[f64; 4]; 10] = [
@@ -72,7 +72,8 @@ impl Strip {
             poisson_ratio: 0.0,
         });
         let loads = PatchLoads { supports, ..loads };
-        let model = PartModel::of_patch(&patch, element, &material, &loads).unwrap();
+        let model =
+            PartModel::of_patch(&patch, element, &material, &loads, &PartSetup::default()).unwrap();
         let at = |k: usize| patch.vertex(LENGTH * k as f64 / cells[0] as f64, 0.0).unwrap();
         Self { model, cells: cells[0], line: (0..=cells[0]).map(at).collect() }
     }

@@ -10,7 +10,7 @@
 use pneumorph::mesh::ShellElement;
 use pneumorph::solve::{Ending, PathPoint, PathSettings, Programme, Supply};
 
-use crate::parts::{RADIUS, driven, sphere, walked};
+use crate::parts::{RADIUS, driven, sphere, sphere_among, walked};
 use crate::rubber::Rubber;
 
 /// So thin that what bending and the spread of stretches across the wall change is of size (t / R)^2, 1e-5.
@@ -101,9 +101,9 @@ fn pressure_ends_or_snaps_at_the_limit_point() {
     // 0.1 % of the smallest step, and the elements' errors at 162 vertices.
     for (element, tolerance) in [(ShellElement::Loop, 2e-3), (ShellElement::MidEdge, 6e-3)] {
         for rubber in Rubber::all() {
-            let mut model = sphere(2, THICKNESS, element, &rubber.material);
+            let setup = PartSetup { stretch_bound: 20.0, ..PartSetup::default() };
+            let mut model = sphere_among(2, THICKNESS, element, &rubber.material, &setup);
             let [limit, largest] = limit_point(&rubber);
-            model.set_stretch_bound(20.0);
             let settings = PathSettings { steps: 8, halvings: 7, ..Default::default() };
             let path = walked(&mut model, 1.02 * largest, &settings);
             let points = &path.points;

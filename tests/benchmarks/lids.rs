@@ -3,9 +3,9 @@
 use pneumorph::math::Vec3;
 use pneumorph::mesh::tetrahedra::Numbered;
 use pneumorph::mesh::{SolidMesh, TetMesh};
-use pneumorph::model::PartModel;
 use pneumorph::model::material::{Compressible, Material, NeoHookean, Rubber};
 use pneumorph::model::system::System;
+use pneumorph::model::{PartModel, PartSetup};
 use pneumorph::solve::{Backend, Ending, PathSettings, follow};
 
 /// Cells along the tube.
@@ -65,7 +65,9 @@ fn lids_pull_at_their_rims() {
     let top = mesh.faces_where(|x| x.z == LENGTH as f64);
     let pressure = 1e-3;
     let strain = |pressure: f64| {
-        let mut model = PartModel::of_solid(&mesh, 1.0, &material, held.clone(), &[]).unwrap();
+        let mut model =
+            PartModel::of_solid(&mesh, 1.0, &material, &held.clone().into(), &PartSetup::default())
+                .unwrap();
         // Sums of exact numbers.
         assert!((model.volume(&vec![0.0; model.unknowns()]) - LENGTH as f64).abs() < 1e-12);
         let mut solver = Backend::Native.solver(model.pattern()).unwrap();

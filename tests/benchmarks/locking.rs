@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, Side};
 use pneumorph::model::material::{Compressible, Material, NeoHookean, Rubber, StVenantKirchhoff};
-use pneumorph::model::{DeadLoad, EdgeSupport, PartModel, PatchLoads};
+use pneumorph::model::{DeadLoad, EdgeSupport, PartModel, PartSetup, PatchLoads};
 
 use crate::parts::linear_response;
 
@@ -31,7 +31,8 @@ fn deflection(
     loads: &PatchLoads,
     vertex: u32,
 ) -> f64 {
-    let mut model = PartModel::of_patch(patch, element, material, loads).unwrap();
+    let mut model =
+        PartModel::of_patch(patch, element, material, loads, &PartSetup::default()).unwrap();
     let response = linear_response(&mut model);
     model.vertex_displacements(&response)[vertex as usize].z
 }

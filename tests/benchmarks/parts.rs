@@ -4,7 +4,7 @@ use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings};
 use pneumorph::model::material::Material;
 use pneumorph::model::system::{LoadedSystem, System};
-use pneumorph::model::{EdgeSupport, PartModel, PatchLoads, Support};
+use pneumorph::model::{EdgeSupport, PartModel, PartSetup, PatchLoads, Support};
 use pneumorph::solve::{EquilibriumSolver, NativeSolver, Path, PathSettings, Programme, follow};
 use pneumorph::surface::TriangleMesh;
 
@@ -32,6 +32,17 @@ pub(crate) fn sphere(
     element: ShellElement,
     material: &Material,
 ) -> PartModel {
+    sphere_among(subdivisions, thickness, element, material, &PartSetup::default())
+}
+
+/// The same, among what `setup` lists.
+pub(crate) fn sphere_among(
+    subdivisions: usize,
+    thickness: f64,
+    element: ShellElement,
+    material: &Material,
+    setup: &PartSetup,
+) -> PartModel {
     let surface = TriangleMesh::sphere(RADIUS, subdivisions);
     let support = pins(&surface);
     // A mesh wants a clamp, which these supports do not use.
@@ -39,7 +50,7 @@ pub(crate) fn sphere(
     let settings =
         ShellSettings { thickness, clamp_height, element: Some(element), ..Default::default() };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
-    PartModel::new(&mesh, material, &support, &[]).unwrap()
+    PartModel::new(&mesh, material, &support, setup).unwrap()
 }
 
 /// A quarter of a tube between two planes that keep its length, in so many cells around and 4 along.
@@ -54,7 +65,7 @@ pub(crate) fn quarter_tube(
     let patch = Patch::new([cells, 4], quarter, [0.0, LENGTH], thickness, &around).unwrap();
     let supports = [0, 2, 1, 1].map(EdgeSupport::Symmetry);
     let loads = PatchLoads { supports, pressure: 1.0, ..Default::default() };
-    PartModel::of_patch(&patch, element, material, &loads).unwrap()
+    PartModel::of_patch(&patch, element, material, &loads, &PartSetup::default()).unwrap()
 }
 
 /// The path to a load, in so many steps of equal size at most.

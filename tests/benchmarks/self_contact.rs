@@ -9,7 +9,9 @@ use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings, Side};
 use pneumorph::model::contact::SelfContactSettings;
 use pneumorph::model::material::{Material, NeoHookean};
 use pneumorph::model::system::{LimitKind, LoadedSystem, System};
-use pneumorph::model::{DeadLoad, EdgeSupport, PartModel, PatchLoads, Support};
+use pneumorph::model::{
+    DeadLoad, EdgeSupport, FoldContact, PartModel, PartSetup, PatchLoads, Support,
+};
 use pneumorph::solve::{Ending, Path, PathSettings};
 use pneumorph::surface::TriangleMesh;
 
@@ -49,9 +51,18 @@ fn hairpin(cells: [usize; 2]) -> Hairpin {
 }
 
 impl Hairpin {
-    fn model(&self, element: ShellElement) -> PartModel {
-        PartModel::of_patch(&self.patch, element, &MATERIAL, &self.loads).unwrap()
+    fn model(&self, element: ShellElement, folds: FoldContact) -> PartModel {
+        PartModel::of_patch(&self.patch, element, &MATERIAL, &self.loads, &among(folds)).unwrap()
     }
+}
+
+/// Nothing but the part's own folds.
+fn among(folds: FoldContact) -> PartSetup {
+    PartSetup { folds: Some(folds), ..PartSetup::default() }
+}
+
+fn barrier(thickness: f64, pressure: f64) -> FoldContact {
+    FoldContact::Barrier(SelfContactSettings::of_wall(thickness, pressure))
 }
 
 /// A quarter of a bellows of two folds between planes of symmetry, its lower end in a plane of symmetry, its upper one pushed
@@ -156,8 +167,7 @@ fn assert_work_is_stored(path: &Path) {
 fn arms_of_a_hairpin_keep_apart() {
     for element in [ShellElement::Loop, ShellElement::MidEdge] {
         let hairpin = hairpin([24, 2]);
-        let mut model = hairpin.model(element);
-        model.keep_folds_apart(SelfContactSettings::of_wall(HAIRPIN_THICKNESS, 1e-3));
+        let mut model = hairpin.model(element, barrier(HAIRPIN_THICKNESS, 1e-3));
         let path = walked(&mut model, 1.0, &PathSettings::default());
         assert!(path.ending.is_complete(), "{:?}", path.ending);
         assert_work_is_stored(&path);
@@ -173,14 +183,13 @@ fn arms_of_a_hairpin_keep_apart() {
         assert!(model.self_contact_force(&last.x) > 0.5 * PRESS * WIDTH);
 
         // Without contact the path ends where the arms touch, to a smallest step; unwatched, they pass each other.
-        let mut unseen = hairpin.model(element);
-        unseen.watch_folds(true);
-        let path = walked(&mut unseen, 1.0, &PathSettings::default());
+        let mut watched = hairpin.model(element, FoldContact::Ends);
+        let path = walked(&mut watched, 1.0, &PathSettings::default());
         assert_eq!(path.ending, Ending::SelfTouch);
-        assert!(path.place.unwrap() < unseen.unknowns());
-        let gap = unseen.smallest_wall_gap(&path.points.last().unwrap().x);
+        assert!(path.place.unwrap() < watched.unknowns());
+        let gap = watched.smallest_wall_gap(&path.points.last().unwrap().x);
         assert!((0.0..0.3 * HAIRPIN_THICKNESS).contains(&gap), "{gap}");
-        unseen.watch_folds(false);
+        let mut unseen = hairpin.model(element, FoldContact::Unseen);
         let path = walked(&mut unseen, 1.0, &PathSettings::default());
         assert!(path.ending.is_complete());
         assert!(unseen.smallest_wall_gap(&path.points.last().unwrap().x) < 0.0);
@@ -191,8 +200,8 @@ fn arms_of_a_hairpin_keep_apart() {
 #[test]
 fn folds_of_a_bellows_keep_apart() {
     let (patch, loads) = bellows();
-    let mut model = PartModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
-    model.keep_folds_apart(SelfContactSettings::of_wall(0.4, 0.01));
+    let (element, setup) = (ShellElement::Loop, among(barrier(0.4, 0.01)));
+    let mut model = PartModel::of_patch(&patch, element, &MATERIAL, &loads, &setup).unwrap();
     let settings = PathSettings { steps: 8, halvings: 3, ..Default::default() };
     let path = walked(&mut model, 1.0, &settings);
     assert!(path.ending.is_complete(), "{:?}", path.ending);
@@ -211,11 +220,8 @@ fn folds_of_a_bellows_keep_apart() {
 fn far_folds_change_nothing() {
     let hairpin = hairpin([16, 2]);
     let settings = PathSettings { steps: 3, ..Default::default() };
-    let paths = [false, true].map(|is_on| {
-        let mut model = hairpin.model(ShellElement::Loop);
-        if is_on {
-            model.keep_folds_apart(SelfContactSettings::of_wall(HAIRPIN_THICKNESS, 1e-3));
-        }
+    let paths = [FoldContact::Unseen, barrier(HAIRPIN_THICKNESS, 1e-3)].map(|folds| {
+        let mut model = hairpin.model(ShellElement::Loop, folds);
         let path = walked(&mut model, 0.1, &settings);
         assert!(model.smallest_wall_gap(&path.points.last().unwrap().x) > 0.1);
         path
@@ -230,7 +236,9 @@ fn closed_parts_are_watched() {
     let surface = TriangleMesh::sphere(10.0, 3);
     let settings = ShellSettings { clamp_height: 1.0, ..Default::default() };
     let mesh = ShellMesh::new(surface, &settings).unwrap();
-    let mut model = PartModel::new(&mesh, &MATERIAL, &Support::Clamp, &[]).unwrap();
+    let model =
+        |setup: &PartSetup| PartModel::new(&mesh, &MATERIAL, &Support::Clamp, setup).unwrap();
+    let watched = model(&PartSetup::default());
     let dented = |share: f64| -> Vec<f64> {
         let dent = |x: &Vec3| {
             let beside = (x.x * x.x + x.y * x.y) / 100.0;
@@ -238,23 +246,21 @@ fn closed_parts_are_watched() {
         };
         mesh.surface.positions.iter().flat_map(dent).collect()
     };
-    let rest = vec![0.0; model.unknowns()];
-    assert_eq!(model.passed_limit(&rest), None);
-    assert_eq!(model.smallest_wall_gap(&rest), f64::INFINITY);
+    let rest = vec![0.0; watched.unknowns()];
+    assert_eq!(watched.passed_limit(&rest), None);
+    assert_eq!(watched.smallest_wall_gap(&rest), f64::INFINITY);
     // The poles' faces are 2 share 10 mm - thickness apart, and rounded a little by the limit surface.
     let near = dented(0.1);
-    assert_eq!(model.passed_limit(&near), None);
-    let gap = model.smallest_wall_gap(&near);
+    assert_eq!(watched.passed_limit(&near), None);
+    let gap = watched.smallest_wall_gap(&near);
     assert!((0.2..0.8).contains(&gap), "{gap}");
     let past = dented(0.05);
-    let limit = model.passed_limit(&past).unwrap();
+    let limit = watched.passed_limit(&past).unwrap();
     let node = limit.unknown / 3;
     let x = mesh.surface.positions[node];
     assert!(limit.kind == LimitKind::SelfTouch && x.x.hypot(x.y) < 4.0, "{x}");
-    model.watch_folds(false);
-    assert_eq!(model.passed_limit(&past), None);
-    model.watch_folds(true);
-    model.keep_folds_apart(SelfContactSettings::of_wall(mesh.thickness, 0.01));
-    assert_eq!(model.passed_limit(&past), None);
-    assert!(model.energy(&past).is_err() && model.energy(&near).is_ok());
+    assert_eq!(model(&among(FoldContact::Unseen)).passed_limit(&past), None);
+    let mut apart = model(&among(barrier(mesh.thickness, 0.01)));
+    assert_eq!(apart.passed_limit(&past), None);
+    assert!(apart.energy(&past).is_err() && apart.energy(&near).is_ok());
 }

@@ -6,7 +6,7 @@ use pneumorph::math::Vec3;
 use pneumorph::mesh::{SolidMesh, unit_lattice};
 use pneumorph::model::material::{Compressible, Material, NeoHookean, Rubber};
 use pneumorph::model::system::System;
-use pneumorph::model::{Cut, PartModel};
+use pneumorph::model::{Cut, PartModel, PartSetup, SolidLoads};
 use pneumorph::solve::{
     Backend, Ending, NewtonEnding, NewtonSettings, Path, PathPoint, PathSettings, Programme,
     Supply, follow,
@@ -58,7 +58,12 @@ fn along(mesh: &SolidMesh, axis: u32, is_wanted: impl Fn(&Vec3) -> bool) -> Vec<
 
 impl Problem {
     fn new(mesh: SolidMesh, size: f64, material: &Material, held: &[Vec<u32>]) -> Self {
-        let model = PartModel::of_solid(&mesh, size, material, held.concat(), &[]).unwrap();
+        Self::under(mesh, size, material, &held.concat().into())
+    }
+
+    fn under(mesh: SolidMesh, size: f64, material: &Material, loads: &SolidLoads<'_>) -> Self {
+        let setup = PartSetup::default();
+        let model = PartModel::of_solid(&mesh, size, material, loads, &setup).unwrap();
         // One pressure for each corner, whose pivots are the negative ones of a stable state.
         assert_eq!(model.stable_negative_pivots(), mesh.corners);
         Self { mesh, model }
@@ -134,9 +139,8 @@ pub(crate) fn tube(n: usize, layers: usize, outer_over_inner: f64, material: &Ma
     ];
     let end =
         Cut { nodes: mesh.nodes_where(|x| is_at(x.z, length)), apex: Vec3::new(0.0, 0.0, length) };
-    let mut problem = Problem::new(mesh, thickness, material, &held);
-    problem.model.close_chamber(&problem.mesh, &[end]);
-    problem
+    let loads = SolidLoads { held: held.concat(), cuts: vec![end], ..Default::default() };
+    Problem::under(mesh, thickness, material, &loads)
 }
 
 /// The largest error of the pressure in a body that is inflated to `growth` times its volume: neo-Hookean of `mu` = 1 MPa,
@@ -207,10 +211,10 @@ pub(crate) fn cook(n: usize, volume: Volume) -> Problem {
     let mesh = SolidMesh::block([n, n, 1], &place);
     let clamped = |x: &Vec3| is_at(x.x, 0.0);
     let held = [along(&mesh, 0, clamped), along(&mesh, 1, clamped), along(&mesh, 2, |_| true)];
-    let mut problem = Problem::new(mesh, thickness, &volume.rubber(80.194), &held);
-    let end = problem.mesh.faces_where(|x| is_at(x.x, 48.0));
-    problem.model.pull(&end, COOK_FORCE / 16.0 * Vec3::y());
-    problem
+    let end = mesh.faces_where(|x| is_at(x.x, 48.0));
+    let tractions = vec![(end, COOK_FORCE / 16.0 * Vec3::y())];
+    let loads = SolidLoads { held: held.concat(), tractions, ..Default::default() };
+    Problem::under(mesh, thickness, &volume.rubber(80.194), &loads)
 }
 
 /// The largest nominal pressure on [`compressed_block`], MPa.
@@ -237,11 +241,10 @@ pub(crate) fn compressed_block(n: usize) -> Problem {
         along(&mesh, 2, |x| is_at(x.z, 0.0)),
     ];
     let material = Volume::NearlyIncompressible.rubber(80.194);
-    let mut problem = Problem::new(mesh, 1.0, &material, &held);
     let pressed = |x: &Vec3| top(x) && x.x < 0.5 + ROUNDING && x.y < 0.5 + ROUNDING;
-    let pressed = problem.mesh.faces_where(pressed);
-    problem.model.pull(&pressed, -BLOCK_PRESSURE * Vec3::z());
-    problem
+    let tractions = vec![(mesh.faces_where(pressed), -BLOCK_PRESSURE * Vec3::z())];
+    let loads = SolidLoads { held: held.concat(), tractions, ..Default::default() };
+    Problem::under(mesh, 1.0, &material, &loads)
 }
 
 /// The largest load of [`beam`] over `EI / L^2`.
@@ -286,13 +289,12 @@ pub(crate) fn beam(n: usize, length: f64) -> Problem {
         along(&mesh, 2, |x| is_at(x.x, 0.0) && is_at(x.z, 0.0)),
     ];
     let mu = 1.0;
-    let mut problem = Problem::new(mesh, 1.0, &Volume::Incompressible.rubber(mu), &held);
     // The strip cannot narrow: its modulus is E / (1 - nu^2) = 4 mu.
     let bending_stiffness = 4.0 * mu / 12.0;
-    let end = problem.mesh.faces_where(|x| is_at(x.x, length));
     let force = BEAM_LOAD * bending_stiffness / length.powi(2);
-    problem.model.pull(&end, force * Vec3::z());
-    problem
+    let tractions = vec![(mesh.faces_where(|x| is_at(x.x, length)), force * Vec3::z())];
+    let loads = SolidLoads { held: held.concat(), tractions, ..Default::default() };
+    Problem::under(mesh, 1.0, &Volume::Incompressible.rubber(mu), &loads)
 }
 
 /// A rod of radius 1 mm and length 1 mm, whose ends are held, and the displacement that has them turned by `twist` (1/mm)

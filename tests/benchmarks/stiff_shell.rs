@@ -16,7 +16,7 @@ use pneumorph::field::{CappedField, CompiledNetwork, DesignBox};
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use pneumorph::model::material::{Compressible, Material, MooneyRivlin, NeoHookean, Rubber};
-use pneumorph::model::{PartModel, Support};
+use pneumorph::model::{PartModel, PartSetup, Support};
 use pneumorph::solve::{Ending, PathSettings};
 
 use crate::parts::{linear_response, walked};
@@ -33,7 +33,7 @@ fn actuator(edge: f64, law: Rubber, bulk_modulus: f64) -> (ShellMesh, PartModel)
     let settings = ShellSettings { thickness, clamp_height: 4.0 / thickness, ..Default::default() };
     let mesh = shell_of_field(&field, &meshing, &settings).unwrap();
     let material = Material::Compressible(Compressible { law, bulk_modulus });
-    let model = PartModel::new(&mesh, &material, &Support::Clamp, &[]).unwrap();
+    let model = PartModel::new(&mesh, &material, &Support::Clamp, &PartSetup::default()).unwrap();
     (mesh, model)
 }
 

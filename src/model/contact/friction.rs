@@ -6,9 +6,9 @@
 //! f        y^2/e - y^3/(3 e^2)  for y < e,   y - e/3  beyond;      f' rises from 0 to 1, and f'' is continuous
 //! ```
 //!
-//! The normal forces `N_i` lag: they are constant during a solve and follow by [`Friction::refresh`], so that the energy
+//! The normal forces `N_i` lag: they are constant during a solve and follow by [`Friction::take_forces`], so that the energy
 //! exists and its Hessian is symmetric. The slip is elastic up to `e` and plastic beyond: in an accepted state
-//! ([`Friction::settle`]) the anchors of samples that slid are pulled along until their slip is `e`, whose force is the same.
+//! ([`Friction::accept`]) the anchors of samples that slid are pulled along until their slip is `e`, whose force is the same.
 //! What sticks keeps its anchor, so that it does not creep with the number of steps. A sample that touches down is anchored
 //! where it met the barrier between the last accepted state and this one; one that lifts off loses its anchor.
 //! It acts on the mid-surface, without the lever of half the thickness.
@@ -19,7 +19,9 @@ use nalgebra::Matrix3;
 
 use super::PlaneContact;
 use crate::math::Vec3;
+use crate::model::body::Configuration;
 use crate::model::local::{LocalDerivatives, Term};
+use crate::model::part_term::PartTerm;
 use crate::model::system::Inadmissible;
 
 /// Friction between a shell's samples and the plane of a [`PlaneContact`].
@@ -28,15 +30,15 @@ pub struct Friction {
     coefficient: f64,
     /// mm.
     elastic_slip: f64,
-    normal: Vec3,
-    nodes: Vec<Vec<u32>>,
-    weights: Vec<Vec<f64>>,
+    contact: PlaneContact,
     /// Of each sample that touches, or did so since the last accepted state.
     grips: Vec<Option<Grip>>,
     /// As they were in the last accepted state.
     settled_grips: Vec<Option<Grip>>,
     /// The samples in the last accepted state, mm.
     settled_points: Vec<Vec3>,
+    /// On the plane in the last accepted state, before its anchors were pulled along, N.
+    settled_force: Vec3,
 }
 
 /// How a sample holds on to the plane.
@@ -56,7 +58,7 @@ impl Friction {
     /// When a number is not positive.
     #[must_use]
     pub fn new(
-        contact: &PlaneContact,
+        contact: PlaneContact,
         positions: &[Vec3],
         coefficient: f64,
         elastic_slip: f64,
@@ -66,25 +68,24 @@ impl Friction {
         Self {
             coefficient,
             elastic_slip,
-            normal: contact.normal(),
-            nodes: contact.stencils().to_vec(),
-            weights: contact.weights().to_vec(),
             grips: none.clone(),
             settled_grips: none,
             settled_points: contact.samples().map(|s| contact.point(s, positions)).collect(),
+            settled_force: Vec3::zeros(),
+            contact,
         }
     }
 
-    /// Takes the normal forces of `contact` at `positions`; returns by how much they changed, as a share of their sum.
-    pub fn refresh(&mut self, contact: &PlaneContact, positions: &[Vec3]) -> f64 {
+    /// Takes the normal forces where the nodes are at `positions`; returns by how much they changed, as a share of their sum.
+    pub fn take_forces(&mut self, positions: &[Vec3]) -> f64 {
         let (mut change, mut sum) = (0.0, 0.0);
-        for s in contact.samples() {
-            let force = contact.normal_force(s, positions);
+        for s in self.contact.samples() {
+            let force = self.contact.normal_force(s, positions);
             let before = self.grips[s].map_or(0.0, |grip| grip.normal_force);
             change += (force - before).abs();
             sum += force.max(before);
             if force > 0.0 && self.grips[s].is_none() {
-                let anchor = self.touchdown(s, contact, positions);
+                let anchor = self.touchdown(s, positions);
                 self.grips[s] = Some(Grip { anchor, normal_force: force });
             } else if let Some(grip) = &mut self.grips[s] {
                 grip.normal_force = force;
@@ -95,12 +96,13 @@ impl Friction {
 
     /// Takes `positions` as the accepted state: pulls the anchors along, lets go what has lifted off; returns the energy
     /// that sliding gave off since the last, mJ.
-    pub fn settle(&mut self, contact: &PlaneContact, positions: &[Vec3]) -> f64 {
+    pub fn accept(&mut self, positions: &[Vec3]) -> f64 {
+        self.settled_force = self.force(positions);
         let mut heat = 0.0;
-        for s in contact.samples() {
-            let point = contact.point(s, positions);
+        for s in self.contact.samples() {
+            let point = self.contact.point(s, positions);
             if let Some(grip) = &mut self.grips[s] {
-                let slip = tangential(self.normal, point - grip.anchor);
+                let slip = tangential(self.contact.normal(), point - grip.anchor);
                 let slid = slip.norm() - self.elastic_slip;
                 if slid > 0.0 {
                     // While it slid, the normal force went from the one value to the other.
@@ -109,7 +111,7 @@ impl Friction {
                     grip.anchor += slid / slip.norm() * slip;
                 }
             }
-            let force = contact.normal_force(s, positions);
+            let force = self.contact.normal_force(s, positions);
             let anchor = self.grips[s].map_or(point, |grip| grip.anchor);
             self.grips[s] = (force > 0.0).then_some(Grip { anchor, normal_force: force });
             self.settled_points[s] = point;
@@ -118,36 +120,36 @@ impl Friction {
         heat
     }
 
-    /// Takes back what was refreshed since the last accepted state.
-    pub fn rewind(&mut self) {
-        self.grips.clone_from(&self.settled_grips);
+    /// The force on the plane in the accepted state of which `memory` is what friction remembers, N; none of an empty one.
+    pub(super) fn accepted_force(memory: &[f64]) -> Option<Vec3> {
+        memory.first_chunk().map(|&force: &[f64; 3]| force.into())
     }
 
-    /// Lets go everywhere.
-    pub fn release(&mut self) {
-        self.grips.fill(None);
-        self.settled_grips.fill(None);
+    /// Moves the plane by `distance` towards the part, mm.
+    #[cfg(test)]
+    pub(in crate::model) fn raise(&mut self, distance: f64) {
+        self.contact.raise(distance);
     }
 
     /// The force with which the part drags the plane along, N.
     #[must_use]
     pub fn force(&self, positions: &[Vec3]) -> Vec3 {
         let sample_force = |s: usize| {
-            let nodes = self.nodes[s].iter().zip(&self.weights[s]);
-            let point: Vec3 = nodes.map(|(&v, w)| *w * positions[v as usize]).sum();
+            let point = self.contact.point(s, positions);
             self.grips[s].map_or(Vec3::zeros(), |grip| {
-                let slip = tangential(self.normal, point - grip.anchor);
+                let slip = tangential(self.contact.normal(), point - grip.anchor);
                 self.coefficient * grip.normal_force * self.force_per_slip(slip.norm()) * slip
             })
         };
-        (0..self.nodes.len()).map(sample_force).sum()
+        self.contact.samples().map(sample_force).sum()
     }
 
     /// Where sample `s`, now at `positions`, met the barrier since the last accepted state; there, if it did before.
-    fn touchdown(&self, s: usize, contact: &PlaneContact, positions: &[Vec3]) -> Vec3 {
+    fn touchdown(&self, s: usize, positions: &[Vec3]) -> Vec3 {
+        let contact = &self.contact;
         let (from, to) = (self.settled_points[s], contact.point(s, positions));
         let gap = contact.gap(s, positions);
-        let approach = self.normal.dot(&(from - to));
+        let approach = contact.normal().dot(&(from - to));
         let free = gap + approach - contact.activation(s);
         if free > 0.0 && approach > 0.0 {
             from + (free / approach).min(1.0) * (to - from)
@@ -157,8 +159,9 @@ impl Friction {
     }
 
     fn slip(&self, s: usize, x: &[Vec3], grip: &Grip) -> Vec3 {
-        let point: Vec3 = self.weights[s].iter().zip(x).map(|(w, x)| *w * x).sum();
-        tangential(self.normal, point - grip.anchor)
+        let weights = &self.contact.weights()[s];
+        let point: Vec3 = weights.iter().zip(x).map(|(w, x)| *w * x).sum();
+        tangential(self.contact.normal(), point - grip.anchor)
     }
 
     /// `f(y)`, mm.
@@ -189,7 +192,7 @@ impl Friction {
 
 impl Term for Friction {
     fn stencils(&self) -> &[Vec<u32>] {
-        &self.nodes
+        self.contact.stencils()
     }
 
     fn is_active(&self, s: usize, _: &[Vec3]) -> bool {
@@ -216,10 +219,77 @@ impl Term for Friction {
         let slip = self.slip(s, x, &grip);
         let y = slip.norm();
         let per_slip = force * self.force_per_slip(y);
-        let projector = Matrix3::identity() - self.normal * self.normal.transpose();
+        let normal = self.contact.normal();
+        let projector = Matrix3::identity() - normal * normal.transpose();
         let hessian = per_slip * projector + force * self.softening(y) * slip * slip.transpose();
-        local.add_of_point(&self.weights[s], per_slip * slip, &hessian);
+        local.add_of_point(&self.contact.weights()[s], per_slip * slip, &hessian);
         Ok(force * self.potential(y))
+    }
+}
+
+/// Numbers that are remembered of each sample: its anchor and its normal force, which is 0 where it holds on to nothing.
+const REMEMBERED: usize = 4;
+
+impl PartTerm for Friction {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    fn widens_pattern(&self) -> bool {
+        false
+    }
+
+    fn refresh(&mut self, at: &Configuration<'_>) -> f64 {
+        self.take_forces(at.positions())
+    }
+
+    fn settle(&mut self, at: &Configuration<'_>) -> f64 {
+        self.accept(at.positions())
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        let of_grip = |grip: &Option<Grip>| {
+            grip.map_or([0.0; REMEMBERED], |Grip { anchor, normal_force }| {
+                [anchor.x, anchor.y, anchor.z, normal_force]
+            })
+        };
+        let force: [f64; 3] = self.settled_force.into();
+        force.into_iter().chain(self.settled_grips.iter().flat_map(of_grip)).collect()
+    }
+
+    fn recall(&mut self, at: &Configuration<'_>, memory: &[f64]) {
+        let Some(force) = Self::accepted_force(memory) else {
+            self.accept(at.positions());
+            return;
+        };
+        self.settled_force = force;
+        let grips = memory[3..].as_chunks::<REMEMBERED>().0.iter();
+        self.settled_grips = grips
+            .map(|&[x, y, z, normal_force]| {
+                (normal_force > 0.0).then_some(Grip { anchor: Vec3::new(x, y, z), normal_force })
+            })
+            .collect();
+        self.grips.clone_from(&self.settled_grips);
+        let contact = &self.contact;
+        self.settled_points = contact.samples().map(|s| contact.point(s, at.positions())).collect();
+    }
+
+    fn rewind(&mut self) {
+        self.grips.clone_from(&self.settled_grips);
+    }
+
+    fn release(&mut self) {
+        self.grips.fill(None);
+        self.settled_grips.fill(None);
+    }
+
+    fn dissipates(&self) -> bool {
+        true
+    }
+
+    /// It passes through no wall: a node that is held is dragged along by nothing else.
+    fn acts_on_supports(&self) -> bool {
+        false
     }
 }
 
@@ -252,7 +322,7 @@ mod tests {
             Faces::about_middle(thickness),
             &settings,
         );
-        let mut term = Friction::new(&contact, &shell.reference, MU, 0.5);
+        let mut term = Friction::new(contact.clone(), &shell.reference, MU, 0.5);
         let [along, across] = [Vec3::x(), Vec3::y()].map(|axis| NORMAL.cross(&axis).normalize());
         for s in contact.samples() {
             let share = [0.2, 0.6, 0.9, 1.2, 1.9][s % 5];
@@ -279,7 +349,7 @@ mod tests {
         let positions = vec![Vec3::zeros(), Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 3.0, 0.0)];
         let settings = PlaneSettings::new(Vec3::z(), 0.1, 0.7);
         let contact = PlaneContact::new(&surface, &positions, Faces::about_middle(1.0), &settings);
-        let friction = Friction::new(&contact, &positions, MU, ELASTIC_SLIP);
+        let friction = Friction::new(contact.clone(), &positions, MU, ELASTIC_SLIP);
         (contact, friction, positions)
     }
 
@@ -298,17 +368,17 @@ mod tests {
             let down = Vec3::new(0.0, 0.0, -0.1 + 0.5 * contact.activation(0));
             let direction = Vec3::new(0.6, -0.8, 0.0);
             let at = |way: f64| moved(&rest, down + way * direction);
-            assert_eq!(friction.refresh(&contact, &at(0.0)), 1.0);
-            assert_eq!(friction.settle(&contact, &at(0.0)), 0.0);
+            assert_eq!(friction.take_forces(&at(0.0)), 1.0);
+            assert_eq!(friction.accept(&at(0.0)), 0.0);
             let limit = MU * contact.force(&at(0.0));
             let mut heat = 0.0;
             for (from, to) in [(0.0, 5.0), (5.0, -2.0), (-2.0, 1.0)] {
                 let mut given = 0.0;
                 for k in 1..=steps {
                     let x = at(from + (to - from) * f64::from(k) / f64::from(steps));
-                    assert_eq!(friction.refresh(&contact, &x), 0.0);
+                    assert_eq!(friction.take_forces(&x), 0.0);
                     let force = friction.force(&x);
-                    given += friction.settle(&contact, &x);
+                    given += friction.accept(&x);
                     let along = f64::signum(to - from) * direction;
                     // Rounding of 5 mm in an elastic slip of 0.001 mm; in an accepted state it is the same.
                     assert!((force - limit * along).norm() < 1e-11 * limit, "{force}");
@@ -330,12 +400,12 @@ mod tests {
         let (contact, mut friction, rest) = facet();
         let down = Vec3::new(0.0, 0.0, -0.1 + 0.5 * contact.activation(0));
         let at = |share: f64| moved(&rest, down + share * ELASTIC_SLIP * Vec3::x());
-        friction.refresh(&contact, &at(0.0));
-        friction.settle(&contact, &at(0.0));
+        friction.take_forces(&at(0.0));
+        friction.accept(&at(0.0));
         for k in 0..1000 {
             let x = at(0.99 * f64::from(k % 2));
-            friction.refresh(&contact, &x);
-            assert_eq!(friction.settle(&contact, &x), 0.0);
+            friction.take_forces(&x);
+            assert_eq!(friction.accept(&x), 0.0);
         }
         assert!(friction.force(&at(0.0)).norm() == 0.0);
         let half = friction.force(&at(0.5)).x / (MU * contact.force(&at(0.5)));
@@ -353,23 +423,20 @@ mod tests {
         assert_eq!(h, 0.05);
         let fall = 0.075;
         let x = moved(&rest, Vec3::new(3.0, 0.0, -fall));
-        assert_eq!(friction.refresh(&contact, &x), 1.0);
+        assert_eq!(friction.take_forces(&x), 1.0);
         let touchdown = 3.0 * (0.1 - h) / fall;
         for (grip, rest) in friction.grips.iter().zip(&rest) {
             assert!((grip.unwrap().anchor.x - rest.x - touchdown).abs() < 1e-12);
         }
         friction.rewind();
         assert!(friction.grips.iter().all(Option::is_none));
-        friction.refresh(&contact, &x);
-        assert!(friction.settle(&contact, &x) > 0.0);
+        friction.take_forces(&x);
+        assert!(friction.accept(&x) > 0.0);
         assert!(friction.grips.iter().all(Option::is_some));
         let away = moved(&rest, Vec3::new(3.0, 0.0, -0.04));
-        assert_eq!(friction.refresh(&contact, &away), 1.0);
-        friction.settle(&contact, &away);
+        assert_eq!(friction.take_forces(&away), 1.0);
+        friction.accept(&away);
         assert!(friction.grips.iter().all(Option::is_none));
-        assert_eq!(
-            (friction.refresh(&contact, &away), friction.force(&away)),
-            (0.0, Vec3::zeros())
-        );
+        assert_eq!((friction.take_forces(&away), friction.force(&away)), (0.0, Vec3::zeros()));
     }
 }

@@ -11,5 +11,5 @@ pub use friction::Friction;
 pub(in crate::model) use plane::Faces;
 pub use plane::{PlaneContact, PlaneSettings};
 pub use planes::PlaneState;
-pub(in crate::model) use planes::Planes;
+pub(in crate::model) use planes::PlaneTerms;
 pub use self_contact::SelfContactSettings;

@@ -22,8 +22,10 @@ use std::f64::consts::LN_2;
 use nalgebra::Matrix3;
 
 use crate::math::Vec3;
+use crate::model::body::Configuration;
 use crate::model::element::SampledSurface;
 use crate::model::local::{LocalDerivatives, Term};
+use crate::model::part_term::PartTerm;
 use crate::model::system::Inadmissible;
 
 /// Where the barrier begins at most, in thicknesses.
@@ -174,7 +176,7 @@ impl PlaneContact {
 
     /// The largest part of the displacement `dx` that leaves every sample on its side of the plane, at most 1.
     #[must_use]
-    pub fn longest_step(&self, positions: &[Vec3], dx: &[Vec3]) -> f64 {
+    pub fn longest_part(&self, positions: &[Vec3], dx: &[Vec3]) -> f64 {
         let sample_step = |s: usize| {
             let approach = -self.height(s, dx);
             let gap = self.gap(s, positions);
@@ -227,7 +229,7 @@ impl PlaneContact {
 
     /// Moves the plane by `distance` towards the part, mm.
     #[cfg(test)]
-    pub(super) fn raise(&mut self, distance: f64) {
+    pub(in crate::model) fn raise(&mut self, distance: f64) {
         self.offset += distance;
         self.floors.iter_mut().for_each(|floor| *floor += distance);
     }
@@ -288,6 +290,20 @@ impl Term for PlaneContact {
         let nn: Matrix3<f64> = curvature * self.normal * self.normal.transpose();
         local.add_of_point(&self.weights[s], slope * self.normal, &nn);
         Ok(value)
+    }
+}
+
+impl PartTerm for PlaneContact {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    fn widens_pattern(&self) -> bool {
+        false
+    }
+
+    fn longest_step(&self, from: &Configuration<'_>, step: &Configuration<'_>) -> f64 {
+        self.longest_part(from.positions(), step.displacements())
     }
 }
 
@@ -430,7 +446,7 @@ mod tests {
                 let dx: Vec<Vec3> = (case.positions.iter())
                     .map(|_| random_matrix(&mut chance, size).column(0).into_owned())
                     .collect();
-                let step = case.term.longest_step(&case.positions, &dx);
+                let step = case.term.longest_part(&case.positions, &dx);
                 assert!(0.0 < step && step <= 1.0);
                 assert!(size > 0.01 || step == 1.0);
                 let there: Vec<Vec3> =

@@ -7,7 +7,7 @@ use super::{PlaneSettings, PlaneState};
 use crate::math::Vec3;
 use crate::mesh::{Patch, ShellElement, ShellMesh, ShellSettings};
 use crate::model::material::{Material, NeoHookean};
-use crate::model::system::{LoadedSystem, System};
+use crate::model::system::{LoadedSystem, Memory, System};
 use crate::model::test_shells::difference;
 use crate::model::{DeadLoad, EdgeSupport, PartModel, PatchLoads, Support};
 use crate::solve::{EquilibriumSolver, NativeSolver, NewtonEnding, NewtonReport, NewtonSettings};
@@ -69,8 +69,8 @@ impl Block {
             loads.pins = vec![(near, 0), (near, 2), (far, 2)];
         }
         let plane = PlaneSettings::new(AXES[2], distance, loads.mean_pressure(&patch));
-        loads.planes = vec![PlaneSettings { friction, ..plane }];
-        let mut model = PartModel::of_patch(&patch, element, &MATERIAL, &loads).unwrap();
+        let setup = vec![PlaneSettings { friction, ..plane }].into();
+        let mut model = PartModel::of_patch(&patch, element, &MATERIAL, &loads, &setup).unwrap();
         model.set_load(1.0);
         let mut down = vec![0.0; model.unknowns()];
         for u in down.as_chunks_mut().0.iter_mut().take(patch.vertices()) {
@@ -80,7 +80,7 @@ impl Block {
     }
 
     fn state(&self, u: &[f64]) -> PlaneState {
-        self.model.plane_states(u)[0]
+        self.model.plane_states(u, &Memory::default())[0]
     }
 
     /// Mean displacement of the vertices along the plane, mm.
@@ -133,14 +133,14 @@ fn block_slides_at_the_coefficient_of_friction() {
         let mut places = Vec::new();
         for steps in [5, 20, 80] {
             let mut block = Block::new(ShellElement::MidEdge, 0.05, friction);
-            let normal = block.model.forces.clone();
+            let normal = block.model.dead_forces_mut().to_vec();
             let mut u = block.down.clone();
             assert_eq!(block.model.refresh(&u), 1.0);
             assert!(settled(&mut block.model, &mut u));
             assert_eq!(block.model.settle(&u), 0.0);
             let (before, start) = (block.slid(&u), u.clone());
             let pull = |model: &mut PartModel, ratio: f64| {
-                for (force, normal) in model.forces.iter_mut().zip(&normal) {
+                for (force, normal) in model.dead_forces_mut().iter_mut().zip(&normal) {
                     *force = normal + ratio * normal.norm() * AXES[0];
                 }
             };
@@ -190,18 +190,19 @@ fn ties_pass_contact_on_to_their_leaders() {
             EdgeSupport::Symmetry(1),
             EdgeSupport::Held([true, false, false]),
         ];
-        let loads = PatchLoads { supports, planes: planes.to_vec(), ..Default::default() };
-        let mut model = PartModel::of_patch(&patch, element, &MATERIAL, &loads).unwrap();
+        let loads = PatchLoads { supports, ..Default::default() };
+        let setup = planes.to_vec().into();
+        let mut model = PartModel::of_patch(&patch, element, &MATERIAL, &loads, &setup).unwrap();
         let mut push = |model: &PartModel, size: f64| -> Vec<f64> {
             (0..model.unknowns()).map(|_| chance.random_range(-size..size)).collect()
         };
         let u = push(&model, 0.05);
         // The first plane in reach of many samples.
-        model.planes.raise(model.smallest_gap(&u) - 0.04);
+        model.raise_plane(model.smallest_gap(&u) - 0.04);
         assert_eq!(model.refresh(&u), 1.0);
         assert!(model.plane_force(&u) > 0.0);
         let moved: Vec<f64> = u.iter().zip(push(&model, 0.01)).map(|(u, du)| u + du).collect();
-        assert!(model.plane_states(&moved)[0].friction.norm() > 0.0);
+        assert!(model.plane_states(&moved, &Memory::default())[0].friction.norm() > 0.0);
         let mut residual = vec![0.0; u.len()];
         model.residual(&moved, &mut residual).unwrap();
         let largest = residual.iter().fold(0.0_f64, |largest, r| largest.max(r.abs()));
@@ -253,7 +254,8 @@ fn free_body_on_planes_is_in_balance() {
             .map(|(normal, distance)| PlaneSettings::new(normal, distance, 0.1));
         let model = |held: &[u32]| {
             let support = Support::Unknowns(held.to_vec());
-            let mut model = PartModel::new(&mesh, &MATERIAL, &support, &planes).unwrap();
+            let mut model =
+                PartModel::new(&mesh, &MATERIAL, &support, &planes.to_vec().into()).unwrap();
             model.set_load(0.05);
             model
         };
@@ -261,7 +263,7 @@ fn free_body_on_planes_is_in_balance() {
         let mut u = vec![0.0; held.unknowns()];
         let report = solved(&mut held, &mut u);
         assert_eq!(report.ending, NewtonEnding::Converged, "{report:?}");
-        let states = held.plane_states(&u);
+        let states = held.plane_states(&u, &Memory::default());
         let pressed: Vec3 = states.iter().map(|state| state.force).sum();
         let sizes: f64 = states.iter().map(|state| state.force.norm()).sum();
         assert!(states.iter().all(|state| state.force.norm() > 1e-3 && state.smallest_gap > 0.0));
@@ -318,13 +320,15 @@ fn sphere_is_flattened_on_a_plane() {
     let pressure = 0.01 * 3.0 * thickness / (radius * radius) * length2 / radius;
     let distance = 0.005;
     let planes = vec![PlaneSettings::new(-Vec3::z(), distance, pressure)];
-    let loads = PatchLoads { supports, planes, ..Default::default() };
-    let mut model = PartModel::of_patch(&patch, ShellElement::Loop, &MATERIAL, &loads).unwrap();
+    let loads = PatchLoads { supports, ..Default::default() };
+    let element = ShellElement::Loop;
+    let mut model =
+        PartModel::of_patch(&patch, element, &MATERIAL, &loads, &planes.into()).unwrap();
     let nodes = patch.control_points();
     let mut raised = 0.0;
     for approach in [0.8, 2.0] {
         let rise = approach * length2 / radius + distance;
-        model.planes.raise(rise - raised);
+        model.raise_plane(rise - raised);
         raised = rise;
         // The middle goes along with the plane: a guess that does not pass it.
         let mut u = vec![0.0; model.unknowns()];

@@ -16,8 +16,10 @@ use nalgebra::Matrix3;
 
 use super::lid::LidFan;
 use crate::math::Vec3;
+use crate::model::body::Configuration;
 use crate::model::element::ElementPoints;
 use crate::model::local::{LocalDerivatives, Term};
+use crate::model::part_term::PartTerm;
 use crate::model::system::Inadmissible;
 
 /// The potential of a uniform pressure inside the mid-surface.
@@ -25,6 +27,8 @@ use crate::model::system::Inadmissible;
 pub struct ChamberPressure {
     /// Pressure, MPa; positive inflates.
     pub pressure: f64,
+    /// At a load of 1, MPa.
+    whole_pressure: f64,
     stencils: Vec<Vec<u32>>,
     /// Weights of each node on the element's corners and edge midpoints.
     limits: Vec<Vec<[f64; 6]>>,
@@ -60,6 +64,7 @@ impl ChamberPressure {
         let all = || points.iter().chain(fans.iter().map(|fan| &fan.points));
         Self {
             pressure: 0.0,
+            whole_pressure: 1.0,
             stencils: all().map(|points| points.nodes.clone()).collect(),
             limits: all().map(|points| points.weights.clone()).collect(),
             fans,
@@ -81,10 +86,10 @@ impl ChamberPressure {
         self
     }
 
-    /// Whether a stencil reaches beyond an element.
+    /// The same chamber, whose pressure is `whole` (MPa) at a load of 1; otherwise it is the load.
     #[must_use]
-    pub fn has_lids(&self) -> bool {
-        !self.lids.is_empty()
+    pub fn under(self, whole: f64) -> Self {
+        Self { whole_pressure: whole, ..self }
     }
 
     fn lid(&self, s: usize) -> Option<&LidFan> {
@@ -173,6 +178,41 @@ impl ChamberPressure {
             for (&node, weights) in stencil.iter().zip(limits) {
                 gradient[node as usize] += combine(&by_point, weights);
             }
+        }
+    }
+}
+
+impl PartTerm for ChamberPressure {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    /// Lids span their rims; all else lies within elements.
+    fn widens_pattern(&self) -> bool {
+        !self.lids.is_empty()
+    }
+
+    fn set_load(&mut self, load: f64) {
+        self.pressure = load * self.whole_pressure;
+    }
+
+    fn is_idle(&self) -> bool {
+        self.pressure == 0.0
+    }
+
+    fn whole_energy(&self, at: &Configuration<'_>) -> Option<f64> {
+        Some(-self.pressure * self.volume(at.positions()))
+    }
+
+    fn conjugate(&self, at: &Configuration<'_>) -> f64 {
+        self.whole_pressure * self.volume(at.positions())
+    }
+
+    fn add_load_direction(&self, at: &Configuration<'_>, direction: &mut [Vec3]) {
+        let mut gradient = vec![Vec3::zeros(); direction.len()];
+        self.add_volume_gradient(at.positions(), &mut gradient);
+        for (sum, gradient) in direction.iter_mut().zip(gradient) {
+            *sum += self.whole_pressure * gradient;
         }
     }
 }

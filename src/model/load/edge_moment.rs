@@ -13,7 +13,9 @@ use std::f64::consts::TAU;
 use nalgebra::Matrix3;
 
 use crate::math::Vec3;
+use crate::model::body::Configuration;
 use crate::model::local::{LocalDerivatives, Term};
+use crate::model::part_term::PartTerm;
 use crate::model::system::Inadmissible;
 
 /// The potential of moments along edges.
@@ -67,8 +69,8 @@ impl EdgeMoment {
         }
     }
 
-    /// Counts turns from here on.
-    pub fn settle(&mut self, positions: &[Vec3]) {
+    /// Counts turns from where all nodes are at `positions` (mm).
+    pub fn count_from(&mut self, positions: &[Vec3]) {
         for (edge, stencil) in self.edges.iter_mut().zip(&self.stencils) {
             let tangents = edge.tangents(stencil.iter().map(|&v| &positions[v as usize]));
             edge.settled = edge.turn(&tangents);
@@ -130,6 +132,44 @@ impl Component {
     fn new(axis: Vec3, [d1, d2]: &[Vec3; 2]) -> Self {
         let gradient = [d2.cross(&axis), axis.cross(d1)];
         Self { value: d1.dot(&gradient[0]), gradient }
+    }
+}
+
+impl PartTerm for EdgeMoment {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    fn widens_pattern(&self) -> bool {
+        false
+    }
+
+    fn set_load(&mut self, load: f64) {
+        self.load_factor = load;
+    }
+
+    fn conjugate(&self, at: &Configuration<'_>) -> f64 {
+        self.work(at.positions())
+    }
+
+    fn add_load_direction(&self, at: &Configuration<'_>, direction: &mut [Vec3]) {
+        self.add_work_gradient(at.positions(), direction);
+    }
+
+    fn settle(&mut self, at: &Configuration<'_>) -> f64 {
+        self.count_from(at.positions());
+        0.0
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.edges.iter().map(|edge| edge.settled).collect()
+    }
+
+    fn recall(&mut self, at: &Configuration<'_>, memory: &[f64]) {
+        if memory.is_empty() {
+            self.count_from(at.positions());
+        }
+        self.edges.iter_mut().zip(memory).for_each(|(edge, settled)| edge.settled = *settled);
     }
 }
 

@@ -16,13 +16,15 @@
 //!
 //! which does not depend on the origin together with `dV`. Schweizerhof & Ramm (1984, Computers & Structures 18:1099)
 //! derive that boundary term. The derivative of these forces is split: its symmetric part goes to the tangent, and its
-//! skew part is what [`FollowerLoads::add_circulation`] multiplies with.
+//! skew part is what [`FollowerLoads::add_skew_stiffness`] multiplies with.
 
 use nalgebra::Matrix3;
 
 use crate::math::Vec3;
 use crate::mesh::Side;
+use crate::model::body::Configuration;
 use crate::model::local::{LocalDerivatives, Term};
+use crate::model::part_term::PartTerm;
 use crate::model::system::Inadmissible;
 
 /// A force that keeps its angle to the wall.
@@ -105,7 +107,7 @@ impl FollowerLoads {
     }
 
     /// Adds to `out` the skew part of the derivative of the applied loads, with the sign of the residual, times `v`, N.
-    pub fn add_circulation(&self, positions: &[Vec3], v: &[Vec3], out: &mut [Vec3]) {
+    pub fn add_skew_stiffness(&self, positions: &[Vec3], v: &[Vec3], out: &mut [Vec3]) {
         for (stencil, follower) in self.stencils.iter().zip(&self.followers) {
             let stiffness = follower.stiffness(&at(stencil, positions));
             for (i, &row) in stencil.iter().enumerate() {
@@ -115,6 +117,32 @@ impl FollowerLoads {
                 }
             }
         }
+    }
+}
+
+impl PartTerm for FollowerLoads {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    fn widens_pattern(&self) -> bool {
+        false
+    }
+
+    fn set_load(&mut self, load: f64) {
+        self.load_factor = load;
+    }
+
+    fn has_potential(&self) -> bool {
+        false
+    }
+
+    fn add_load_direction(&self, at: &Configuration<'_>, direction: &mut [Vec3]) {
+        self.add_forces(at.positions(), direction);
+    }
+
+    fn add_circulation(&self, at: &Configuration<'_>, v: &[Vec3], out: &mut [Vec3]) {
+        self.add_skew_stiffness(at.positions(), v, out);
     }
 }
 
@@ -364,7 +392,7 @@ mod tests {
             };
             let skew = |v: &[Vec3]| {
                 let mut out = vec![Vec3::zeros(); x.len()];
-                loads.add_circulation(x, v, &mut out);
+                loads.add_skew_stiffness(x, v, &mut out);
                 out
             };
             let dot =

@@ -1,11 +1,14 @@
 //! Residual, tangent and load direction of whole models against differences.
 
+use std::any::Any;
+
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
 use crate::mesh::ShellSettings;
+use crate::model::contact::{Friction, PlaneContact, PlaneSettings};
 use crate::model::material::NeoHookean;
 use crate::model::test_shells::{TestShell, difference};
 use crate::surface::TriangleMesh;
@@ -17,7 +20,8 @@ const STEP: f64 = 1e-3;
 fn loaded(seed: u64) -> (PartModel, Vec<f64>, Vec<bool>) {
     let shell = TestShell::new(seed);
     let plane = PlaneSettings::new(Vec3::new(0.48, -0.6, 0.64), 5.0, 0.01);
-    let mut model = PartModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &[plane]).unwrap();
+    let mut model =
+        PartModel::new(&shell.mesh, &MATERIAL, &Support::Clamp, &vec![plane].into()).unwrap();
     let moved = shell.deformed.iter().zip(&shell.reference).map(|(x, rest)| x - rest);
     let mut u: Vec<f64> = moved.flat_map(|u| [u.x, u.y, u.z]).collect();
     let mut held = vec![false; u.len()];
@@ -30,10 +34,33 @@ fn loaded(seed: u64) -> (PartModel, Vec<f64>, Vec<bool>) {
         }
     }
     // A third of the activation, so that the differences are fine enough for the barrier.
-    model.planes.raise(model.smallest_gap(&u) - 0.03);
+    model.raise_plane(model.smallest_gap(&u) - 0.03);
     model.set_load(0.03);
     assert!(held.contains(&true) && held.contains(&false));
     (model, u, held)
+}
+
+impl PartModel {
+    /// The whole dead forces on the unknowns of each node, N.
+    pub(in crate::model) fn dead_forces_mut(&mut self) -> &mut [Vec3] {
+        self.term_mut::<DeadForces>().expect("dead forces act").on_unknowns_mut()
+    }
+
+    /// Moves the first plane by `distance` towards the part, mm.
+    pub(in crate::model) fn raise_plane(&mut self, distance: f64) {
+        self.term_mut::<PlaneContact>().expect("there is a plane").raise(distance);
+        if let Some(friction) = self.term_mut::<Friction>() {
+            friction.raise(distance);
+        }
+    }
+
+    /// The first term of a kind.
+    fn term_mut<T: PartTerm>(&mut self) -> Option<&mut T> {
+        self.terms.iter_mut().find_map(|placed| {
+            let term: &mut dyn Any = placed.term_mut();
+            term.downcast_mut()
+        })
+    }
 }
 
 fn energy_at(model: &mut PartModel, u: &DVector<f64>) -> f64 {
@@ -144,7 +171,7 @@ fn free_shell_has_six_rigid_motions() {
     let eggs = [0, 1, 2].map(|seed| TestShell::new(seed).mesh);
     for mesh in eggs.iter().chain([&sphere]) {
         let free = Support::Unknowns(Vec::new());
-        let mut model = PartModel::new(mesh, &MATERIAL, &free, &[]).unwrap();
+        let mut model = PartModel::new(mesh, &MATERIAL, &free, &PartSetup::default()).unwrap();
         let rest = DVector::zeros(model.unknowns());
         let residual = residual_at(&mut model, &rest).amax();
         assert!(residual < 1e-13 * model.force_scale(), "{residual:e}");

@@ -6,9 +6,9 @@ use std::process::Command;
 use super::*;
 use crate::math::Vec3;
 use crate::mesh::{SolidMesh, TetMesh};
-use crate::model::PartModel;
 use crate::model::material::{Material, NeoHookean};
 use crate::model::system::{Inadmissible, Layout, LoadedSystem};
+use crate::model::{PartModel, PartSetup};
 use crate::solve::solver_suite::solver_suite;
 
 /// A solver that shares whatever the size.
@@ -79,7 +79,8 @@ fn hollow_box() -> PartModel {
         (0..).zip(&mesh.positions).filter(|(_, x)| x.z == 0.0).map(|(v, _)| v).collect();
     let material = Material::NeoHookean(NeoHookean { mu: 0.7 });
     let held = SolidMesh::unknowns_of(&clamp);
-    let mut model = PartModel::of_solid(&mesh, 1.0, &material, held, &[]).unwrap();
+    let mut model =
+        PartModel::of_solid(&mesh, 1.0, &material, &held.into(), &PartSetup::default()).unwrap();
     model.set_load(0.3);
     model
 }

@@ -1,81 +1,57 @@
-//! The folds of a model's wall: they touch unseen, or are watched, or keep each other off.
+//! The folds of a wall: how near they are, and a bound of the model's validity where they touch.
 
 use std::sync::{Arc, OnceLock};
 
-use super::SelfContactSettings;
-use super::wall_contact::{Frame, WallContact};
 use super::wall_surface::{Search, WallSurface};
-use crate::math::Vec3;
-use crate::model::element::{ElementPoints, SampledSurface};
+use crate::model::body::{Body, Configuration};
+use crate::model::element::ElementPoints;
+use crate::model::part_term::{PartTerm, without_stencils};
+use crate::model::system::{Limit, LimitKind};
 
-/// What a model knows of its folds. Nothing is made of the surface until it is asked for.
+/// What a model knows of its folds; as a term, their touch is a limit that was passed.
+///
+/// Nothing is made of the surface until it is asked for, and copies share it.
 #[derive(Clone, Debug)]
-pub(in crate::model) struct Folds {
-    points: Vec<ElementPoints>,
+pub(in crate::model) struct FoldWatch {
+    points: Arc<[ElementPoints]>,
     /// mm.
     pub(in crate::model) thickness: f64,
-    surface: OnceLock<Arc<WallSurface>>,
-    /// Whether a touch ends the model's validity, where there is no contact.
-    pub(in crate::model) is_watched: bool,
-    /// The barriers, where contact is modelled.
-    pub(in crate::model) contact: Option<WallContact>,
+    surface: Arc<OnceLock<Arc<WallSurface>>>,
 }
 
 /// How far apart parts may be that count as near, in thicknesses between their faces.
 const NEAR: f64 = 0.5;
 
-impl Folds {
+impl FoldWatch {
     /// Of a wall with the triangles' `points`.
     pub(in crate::model) fn new(points: Vec<ElementPoints>, thickness: f64) -> Self {
-        let surface = OnceLock::new();
-        Self { points, thickness, surface, is_watched: false, contact: None }
+        Self { points: points.into(), thickness, surface: Arc::default() }
     }
 
-    /// Puts barriers between the folds of a wall with this `surface`.
-    pub(in crate::model) fn keep_apart(
-        &mut self,
-        surface: &SampledSurface,
-        settings: SelfContactSettings,
-        frame: Frame<'_>,
-    ) {
-        let surface = self.surface(surface, frame).clone();
-        self.contact = Some(WallContact::new(surface, settings, frame));
+    /// The surface of the wall of `body`.
+    pub(super) fn surface(&self, body: &Body) -> Arc<WallSurface> {
+        let made = || {
+            WallSurface::new(&self.points, &body.surface, &body.reference, self.thickness).into()
+        };
+        self.surface.get_or_init(made).clone()
     }
 
-    /// The smallest gap between faces that are no neighbours where the nodes are at `positions`, mm, and a node beside it;
-    /// none where there is none below half the thickness.
-    pub(in crate::model) fn smallest_gap(
-        &self,
-        positions: &[Vec3],
-        surface: &SampledSurface,
-        frame: Frame<'_>,
-    ) -> Option<(f64, u32)> {
+    /// The smallest gap between faces that are no neighbours, mm; `None` if none is below half the thickness.
+    pub(in crate::model) fn smallest_gap(&self, at: &Configuration<'_>) -> Option<f64> {
         let near = NEAR * self.thickness;
         let search = Search::within(self.thickness + near);
-        self.smallest_gap_below(near, search, positions, surface, frame)
+        self.smallest_gap_below(near, search, at).map(|(gap, _)| gap)
     }
 
-    /// A node where faces that are no neighbours touch.
-    pub(in crate::model) fn touch(
-        &self,
-        positions: &[Vec3],
-        surface: &SampledSurface,
-        frame: Frame<'_>,
-    ) -> Option<u32> {
-        let search = Search::for_touch(self.thickness);
-        self.smallest_gap_below(0.0, search, positions, surface, frame).map(|(_, node)| node)
-    }
-
+    /// The smallest gap below `largest`, mm, and a node beside it.
     fn smallest_gap_below(
         &self,
         largest: f64,
         search: Search,
-        positions: &[Vec3],
-        surface: &SampledSurface,
-        frame: Frame<'_>,
+        at: &Configuration<'_>,
     ) -> Option<(f64, u32)> {
-        let wall = self.surface(surface, frame);
-        let pose = wall.pose(positions, None);
+        let wall = self.surface(at.body);
+        let pose = wall.pose(at.positions(), None);
         let mut smallest = (largest, None);
         wall.visit_near(&pose, search, &mut |_, couple| {
             let [thickness, _] = wall.thickness_of(&couple);
@@ -87,11 +63,18 @@ impl Folds {
         let (gap, sample) = smallest;
         sample.map(|sample| (gap, wall.node_of(sample)))
     }
+}
 
-    fn surface(&self, surface: &SampledSurface, frame: Frame<'_>) -> &Arc<WallSurface> {
-        self.surface.get_or_init(|| {
-            let wall = WallSurface::new(&self.points, surface, frame.reference, self.thickness);
-            Arc::new(wall)
-        })
+without_stencils!(FoldWatch);
+
+impl PartTerm for FoldWatch {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    fn passed_limit(&self, at: &Configuration<'_>) -> Option<Limit> {
+        let search = Search::for_touch(self.thickness);
+        let (_, node) = self.smallest_gap_below(0.0, search, at)?;
+        Some(Limit { kind: LimitKind::SelfTouch, unknown: 3 * node as usize })
     }
 }

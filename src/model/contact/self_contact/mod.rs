@@ -28,8 +28,8 @@ mod wall_surface;
 
 use serde::{Deserialize, Serialize};
 
-pub(in crate::model) use folds::Folds;
-pub(in crate::model) use wall_contact::Frame;
+pub(in crate::model) use folds::FoldWatch;
+pub(in crate::model) use wall_contact::WallContact;
 
 /// Where the barrier begins, in thicknesses.
 const ACTIVATION: f64 = 0.2;

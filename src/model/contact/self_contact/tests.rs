@@ -10,14 +10,13 @@ use super::SelfContactSettings;
 use super::distance::Closest;
 use super::pair::{Pair, PairDerivatives, barrier};
 use super::pair_term::PairTerm;
-use super::wall_contact::{Frame, WallContact};
+use super::wall_contact::WallContact;
 use super::wall_surface::{Kind, Search, WallSurface};
 use crate::math::Vec3;
 use crate::model::element::{ElementPoints, SampledSurface};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::term_suite::{self, Case};
 use crate::model::test_shells::{TestShell, difference};
-use crate::model::tie::Ties;
 
 /// Of the differences, mm: edges that are nearly parallel cross within 0.06 mm, other closest points vary over 0.3 mm.
 const STEP: f64 = 2e-4;
@@ -305,9 +304,7 @@ impl Sheets {
     }
 
     fn contact(&self, settings: SelfContactSettings) -> WallContact {
-        let ties = Ties::default();
-        let frame = Frame { ties: &ties, reference: &self.nodes };
-        WallContact::new(self.wall.clone(), settings, frame)
+        WallContact::new(self.wall.clone(), settings)
     }
 }
 
@@ -354,12 +351,10 @@ fn near_walls_store_nothing_at_rest() {
     for rest_gap in [0.05, 0.001, -0.3] {
         let sheets = sheets([6, 4], [12.0, 5.0], rest_gap, 1.0);
         let mut contact = sheets.contact(settings);
-        let ties = Ties::default();
-        let frame = Frame { ties: &ties, reference: &sheets.nodes };
         let energy = |contact: &mut WallContact, lift: f64| {
             let nodes = sheets.lifted(lift);
-            contact.list(&nodes, frame);
-            let term = contact.term();
+            contact.list(&nodes);
+            let term: &dyn Term = contact;
             let of_stencil = |s: usize| {
                 let x: Vec<Vec3> = term.stencils()[s].iter().map(|&v| nodes[v as usize]).collect();
                 term.energy(s, &x)
@@ -378,11 +373,9 @@ fn near_walls_store_nothing_at_rest() {
 #[test]
 fn longest_step_keeps_all_gaps_open() {
     let (sheets, positions) = crumpled(&TestShell::new(1), 0.4);
-    let ties = Ties::default();
-    let frame = Frame { ties: &ties, reference: &sheets.nodes };
     let settings = SelfContactSettings { activation: 0.5, stiffness: 5.0 };
     let mut contact = sheets.contact(settings);
-    contact.list(&positions, frame);
+    contact.list(&positions);
     let mut chance = ChaCha8Rng::seed_from_u64(2);
     for (size, is_whole) in [(0.02, true), (0.25, false), (4.0, false)] {
         for _ in 0..3 {
@@ -392,7 +385,7 @@ fn longest_step_keeps_all_gaps_open() {
                 size * (chance + way * Vec3::z())
             };
             let dx: Vec<Vec3> = (0..positions.len()).map(&mut pushed).collect();
-            let step = contact.longest_step(&positions, &dx);
+            let step = contact.longest_part(&positions, &dx);
             assert!(0.0 < step && (step == 1.0) == is_whole, "{size}: {step}");
             for k in 0..=20 {
                 let share = step * f64::from(k) / 20.0;
@@ -401,7 +394,7 @@ fn longest_step_keeps_all_gaps_open() {
                 assert!(smallest_gap(&sheets.wall, &there) > 0.0, "{size}");
             }
             // As a search of the whole motion finds it without a list.
-            let searched = sheets.contact(settings).longest_step(&positions, &dx);
+            let searched = sheets.contact(settings).longest_part(&positions, &dx);
             assert!(is_whole || (searched / step - 1.0).abs() < 0.5, "{searched} {step}");
         }
     }
@@ -412,13 +405,11 @@ fn longest_step_keeps_all_gaps_open() {
 fn energy_does_not_depend_on_when_pairs_were_listed() {
     let (sheets, near) = crumpled(&TestShell::new(2), 0.4);
     let (_, nearer) = crumpled(&TestShell::new(2), 0.35);
-    let ties = Ties::default();
-    let frame = Frame { ties: &ties, reference: &sheets.nodes };
     let settings = SelfContactSettings { activation: 0.5, stiffness: 5.0 };
     let (mut one, mut other) = (sheets.contact(settings), sheets.contact(settings));
-    assert!(one.list(&near, frame) && !one.list(&nearer, frame) && other.list(&nearer, frame));
+    assert!(one.list(&near) && !one.list(&nearer) && other.list(&nearer));
     let energies = |contact: &WallContact| -> Vec<f64> {
-        let term = contact.term();
+        let term: &dyn Term = contact;
         let energy = |s: usize| {
             let x: Vec<Vec3> = term.stencils()[s].iter().map(|&v| nearer[v as usize]).collect();
             term.energy(s, &x).unwrap()
@@ -431,9 +422,9 @@ fn energy_does_not_depend_on_when_pairs_were_listed() {
     assert_eq!(one.force(&nearer), other.force(&nearer));
     // Far apart nothing is listed, and no room is wanted.
     let mut far = sheets.contact(settings);
-    assert!(!far.list(&sheets.nodes, frame) && far.make_room(frame).is_none());
-    assert!(far.term().stencils().is_empty() && far.force(&sheets.nodes) == 0.0);
+    assert!(!far.list(&sheets.nodes) && far.make_room().is_none());
+    assert!(far.stencils().is_empty() && far.force(&sheets.nodes) == 0.0);
     // There is room for what is listed, until all of it is far too much.
-    assert!(one.make_room(frame).is_some_and(|room| room.len() >= one.term().stencils().len()));
-    assert!(one.make_room(frame).is_none());
+    assert!(one.make_room().is_some_and(|room| room.len() >= one.stencils().len()));
+    assert!(one.make_room().is_none());
 }

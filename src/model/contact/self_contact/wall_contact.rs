@@ -10,13 +10,16 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::SelfContactSettings;
+use super::folds::FoldWatch;
 use super::pair::Pair;
 use super::pair_term::PairTerm;
 use super::step::longest_step;
 use super::wall_surface::{Couple, Search, WallSurface};
 use crate::math::Vec3;
-use crate::model::local::Term;
-use crate::model::tie::{Tied, Ties};
+use crate::model::body::{Body, Configuration};
+use crate::model::local::{LocalDerivatives, Term};
+use crate::model::part_term::PartTerm;
+use crate::model::system::Inadmissible;
 
 /// How much farther than the barrier's reach pairs are listed, in thicknesses.
 const MARGIN: f64 = 0.3;
@@ -34,48 +37,35 @@ const LEAST_ROOM: usize = 200;
 pub(in crate::model) struct WallContact {
     surface: Arc<WallSurface>,
     settings: SelfContactSettings,
-    term: Tied<PairTerm>,
+    term: PairTerm,
     /// Nodes where the pairs were listed, mm; empty while none are.
     listed_at: Vec<Vec3>,
     /// Triangles that the pattern has room for, ascending.
     room: Vec<[u32; 2]>,
 }
 
-/// Nodes that follow others, and all nodes at rest, mm.
-#[derive(Clone, Copy)]
-pub(in crate::model) struct Frame<'a> {
-    pub(in crate::model) ties: &'a Ties,
-    pub(in crate::model) reference: &'a [Vec3],
-}
-
 impl WallContact {
-    /// Barriers on `surface`.
-    pub(super) fn new(
-        surface: Arc<WallSurface>,
+    /// Barriers between the `folds` of the wall of `body`.
+    pub(in crate::model) fn of_folds(
+        folds: &FoldWatch,
+        body: &Body,
         settings: SelfContactSettings,
-        frame: Frame<'_>,
     ) -> Self {
+        Self::new(folds.surface(body), settings)
+    }
+
+    /// Barriers on `surface`.
+    pub(super) fn new(surface: Arc<WallSurface>, settings: SelfContactSettings) -> Self {
         let activation = settings.activation.min(LARGEST_ACTIVATION * surface.thickness);
         let settings = SelfContactSettings { activation, ..settings };
         let reach = surface.thickness + activation;
-        let none = PairTerm::new(surface.clone(), Vec::new(), reach);
-        let term = Tied::new(none, frame.ties, frame.reference);
+        let term = PairTerm::new(surface.clone(), Vec::new(), reach);
         Self { surface, settings, term, listed_at: Vec::new(), room: Vec::new() }
-    }
-
-    /// The barriers between what was listed last.
-    pub(in crate::model) fn term(&self) -> &dyn Term {
-        &self.term
-    }
-
-    /// The term over the displaced nodes themselves.
-    pub(in crate::model) fn untied_term(&self) -> &dyn Term {
-        self.term.inner()
     }
 
     /// Lists the pairs that are near where the nodes are at `positions` (mm), unless the last list is still complete;
     /// returns whether it made a new one.
-    pub(in crate::model) fn list(&mut self, positions: &[Vec3], frame: Frame<'_>) -> bool {
+    pub(super) fn list(&mut self, positions: &[Vec3]) -> bool {
         if self.is_listed(positions) {
             return false;
         }
@@ -85,13 +75,13 @@ impl WallContact {
         if listed.stencils().is_empty() && self.term.stencils().is_empty() {
             return false;
         }
-        self.term = Tied::new(listed, frame.ties, frame.reference);
+        self.term = listed;
         true
     }
 
     /// Makes the room that the listed pairs want; returns the stencils of all room, where it had to be changed.
-    pub(in crate::model) fn make_room(&mut self, frame: Frame<'_>) -> Option<Vec<Vec<u32>>> {
-        let listed: Vec<[u32; 2]> = self.term.inner().triangles().collect();
+    pub(super) fn make_room(&mut self) -> Option<Vec<Vec<u32>>> {
+        let listed: Vec<[u32; 2]> = self.term.triangles().collect();
         let is_enough = listed.iter().all(|pair| self.room.binary_search(pair).is_ok());
         let is_too_much = self.room.len() > LEAST_ROOM.max(ROOM_TO_SPARE * listed.len());
         if is_enough && !is_too_much {
@@ -107,11 +97,11 @@ impl WallContact {
         let pairs = room.iter().map(|&triangles| (triangles, Vec::new())).collect();
         let term = PairTerm::new(self.surface.clone(), pairs, self.reach());
         self.room = room;
-        Some(Tied::new(term, frame.ties, frame.reference).stencils().to_vec())
+        Some(term.stencils().to_vec())
     }
 
     /// The largest part of the displacement `dx` (mm) of the nodes at `positions` that keeps all gaps open, at most 1.
-    pub(in crate::model) fn longest_step(&self, positions: &[Vec3], dx: &[Vec3]) -> f64 {
+    pub(super) fn longest_part(&self, positions: &[Vec3], dx: &[Vec3]) -> f64 {
         let mut longest = 1.0_f64;
         let there: Vec<Vec3> = positions.iter().zip(dx).map(|(x, dx)| x + dx).collect();
         // Between two states whose list is complete it is complete too.
@@ -120,7 +110,7 @@ impl WallContact {
                 return longest;
             }
             let [x, dx] = [positions, dx].map(|nodes| self.surface.samples_at(nodes));
-            for (samples, pair) in self.term.inner().pairs() {
+            for (samples, pair) in self.term.pairs() {
                 let [x, dx] = [&x, &dx].map(|all| at(all, &samples, pair));
                 let closest = |x: &[Vec3; 4]| pair.closest(x);
                 longest = longest_step(&x, &dx, pair.first(), pair.thickness, closest, longest);
@@ -211,6 +201,52 @@ impl WallContact {
             pairs.entry(triangles).or_default().push(pair);
         });
         PairTerm::new(self.surface.clone(), pairs.into_iter().collect(), self.reach())
+    }
+}
+
+impl Term for WallContact {
+    fn stencils(&self) -> &[Vec<u32>] {
+        self.term.stencils()
+    }
+
+    fn is_active(&self, s: usize, positions: &[Vec3]) -> bool {
+        self.term.is_active(s, positions)
+    }
+
+    fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
+        self.term.energy(s, x)
+    }
+
+    fn derivatives(
+        &self,
+        s: usize,
+        x: &[Vec3],
+        local: &mut LocalDerivatives,
+    ) -> Result<f64, Inadmissible> {
+        self.term.derivatives(s, x, local)
+    }
+}
+
+impl PartTerm for WallContact {
+    fn boxed(&self) -> Box<dyn PartTerm> {
+        Box::new(self.clone())
+    }
+
+    /// Its stencils lie within the room that it asks for.
+    fn widens_pattern(&self) -> bool {
+        false
+    }
+
+    fn prepare(&mut self, at: &Configuration<'_>) -> bool {
+        self.list(at.positions())
+    }
+
+    fn room(&mut self) -> Option<Vec<Vec<u32>>> {
+        self.make_room()
+    }
+
+    fn longest_step(&self, from: &Configuration<'_>, step: &Configuration<'_>) -> f64 {
+        self.longest_part(from.positions(), step.displacements())
     }
 }
 
