@@ -33,4 +33,10 @@ pub mod report;
 #[cfg(feature = "monitor")]
 pub mod monitor;
 
+pub mod scene;
+
+pub mod study;
+
+pub mod verify;
+
 pub mod cli;

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use super::closed_part;
-use super::part::{PartFiles, PartSource};
-use super::placement::Placed;
-use super::run_file::RunFile;
-use super::run_folder::RunFolder;
-use super::scene_file::SceneFile;
-use super::simulate::{OnDisk, read_network};
 use crate::evolve::Nsga2;
 use crate::io::{ChamberChoice, calculix, toml_file};
+use crate::scene::part::closed_part;
+use crate::scene::part::placement::Placed;
+use crate::scene::part::{PartFiles, PartSource};
+use crate::scene::scene_file::SceneFile;
+use crate::scene::simulate::{OnDisk, read_network};
+use crate::study::run_file::RunFile;
+use crate::study::run_folder::RunFolder;
 
 /// Which kind of file it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,61 +1,12 @@
 //! The command line: what was typed, turned into work, and work turned into files and lines.
 
-mod certify;
-mod closed_part;
-mod compare;
-mod compare_runs;
-mod contact_rows;
-mod deck;
-mod design_folder;
-mod design_pictures;
 mod doctor;
-mod evaluations;
-mod evolve;
-mod export;
-mod film;
-mod formula;
 mod inspect;
 mod keys;
-mod material;
-mod meaning;
 mod mesh;
-mod mesh_error;
-mod mesh_section;
-#[cfg(feature = "monitor")]
-mod monitor;
-mod overload;
-mod own_surface;
-mod part;
-mod patch_part;
-mod path_rows;
-mod patience;
-mod pick;
-mod placement;
-mod provenance;
-mod report;
-mod resume;
-mod run_file;
-mod run_folder;
-mod scene_file;
-mod shape;
-mod simulate;
-mod simulate_shape;
-mod solid_front;
-mod solid_part;
-mod stability_case;
-mod terminal;
-mod verify;
-mod verify_cases;
-mod verify_compare;
-#[cfg(test)]
-mod verify_curves;
-mod verify_files;
-mod verify_section;
-mod verify_stability;
-mod walk_progress;
-mod walk_summary;
-mod watch;
-mod watch_curve;
+pub(crate) mod patience;
+pub(crate) mod terminal;
+pub(crate) mod walk_progress;
 
 #[cfg(feature = "monitor")]
 use std::net::IpAddr;
@@ -68,14 +19,20 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 pub use self::inspect::{Input, inspect};
-use self::solid_part::SolidSection;
-use self::terminal::{narrate, say, warn};
-use self::verify::Selection;
-use self::verify_cases::{CURVES, SHELLS};
-use self::verify_files::SceneFolder;
+use self::terminal::{say, warn};
 use crate::io::{OutputFolder, atomic};
 use crate::mesh::ShellElement;
+use crate::scene::deck::{self, comparison as deck_comparison};
+use crate::scene::part::solid_part::SolidSection;
+use crate::scene::{scene_file, simulate};
 use crate::solve::{Backend, Job};
+#[cfg(feature = "monitor")]
+use crate::study::monitor;
+use crate::study::{certify, comparison, export, film, pick, report, run_file, search};
+use crate::verify::benchmarks::{self, Selection};
+use crate::verify::cases::{CURVES, SHELLS};
+use crate::verify::files::SceneFolder;
+use crate::verify::stability;
 
 /// Designs pneumatic soft actuators by evolution.
 #[derive(Debug, Parser)]
@@ -325,12 +282,12 @@ impl Benchmarks {
     fn run(self, folder: &'static SceneFolder) -> anyhow::Result<()> {
         let Self { case, element, out, list, quick, solver } = self;
         if list {
-            return verify::list(folder);
+            return benchmarks::list(folder);
         }
         let element = element.map(ShellElement::from);
         let selection = Selection { folder, cases: case, element, quick, solver: solver.into() };
         // Its CPU times are those of one thread.
-        on_threads(1, || verify::run(&selection, out.as_deref()))
+        on_threads(1, || benchmarks::run(&selection, out.as_deref()))
     }
 }
 
@@ -446,8 +403,8 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         Command::Evolve { run, out, resume, threads, time_limit, solver, json, .. } => {
             let (run, out) = (given(run), given(out));
             let solver = solver.map(Backend::from);
-            let manner = evolve::Manner { resume, threads, solver, time_limit, json, job };
-            return Ok(evolve::run(&run, &out, &manner)?.into());
+            let manner = search::Manner { resume, threads, solver, time_limit, json, job };
+            return Ok(search::run(&run, &out, &manner)?.into());
         }
         Command::Simulate { scene, out, solver, json, threads, .. } => {
             let (scene, out, solver) = (given(scene), given(out), solver.map(Backend::from));
@@ -486,7 +443,7 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             deck::run(&source, id.as_deref(), &out, &choices)
         }
         Command::Compare { folder, other: Some(other), out, json } => {
-            compare_runs::run([&folder, &other], out.as_deref(), json)
+            comparison::run([&folder, &other], out.as_deref(), json)
         }
         Command::Compare { folder, other: None, json, .. } => {
             anyhow::ensure!(
@@ -494,17 +451,15 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
                 "{} is a run; name another run to compare it with",
                 folder.display()
             );
-            compare::run(&folder, json)
+            deck_comparison::run(&folder, json)
         }
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),
-        Command::Verify { what: Verified::Stability { list: true, .. } } => {
-            verify_stability::list()
-        }
+        Command::Verify { what: Verified::Stability { list: true, .. } } => stability::list(),
         Command::Verify { what: Verified::Stability { case, out, quick, solver, .. } } => {
             let solver = solver.map(Backend::from);
-            let selection = verify_stability::Selection { cases: case, solver, quick };
-            on_threads(1, || verify_stability::run(&selection, out.as_deref()))
+            let selection = stability::Selection { cases: case, solver, quick };
+            on_threads(1, || stability::run(&selection, out.as_deref()))
         }
         #[cfg(feature = "monitor")]
         Command::Monitor { run, port, listen } => monitor::run(&run, listen, port),
@@ -541,7 +496,7 @@ fn given(path: Option<PathBuf>) -> PathBuf {
 }
 
 /// An error and its causes in one line; a cause that its effect has told already is not repeated.
-fn one_line(error: &anyhow::Error) -> String {
+pub(crate) fn one_line(error: &anyhow::Error) -> String {
     let mut told = String::new();
     for cause in error.chain().map(ToString::to_string) {
         if told.is_empty() {

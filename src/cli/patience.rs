@@ -16,7 +16,7 @@ use crate::solve::{Ending, Path};
 
 /// How a command that may be stopped has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub(crate) enum End {
     Finished,
     /// What it had is in its folder.
     Stopped,
@@ -24,7 +24,7 @@ pub(super) enum End {
 
 impl End {
     /// How a command ends that was to walk a path.
-    pub(super) fn of(walked: &Path) -> Self {
+    pub(crate) fn of(walked: &Path) -> Self {
         if walked.ending == Ending::Interrupted { Self::Stopped } else { Self::Finished }
     }
 }
@@ -43,14 +43,14 @@ impl From<End> for ExitCode {
 
 /// Who may ask a command to stop.
 #[derive(Clone, Debug)]
-pub(super) struct Patience {
+pub(crate) struct Patience {
     told: Arc<AtomicBool>,
     deadline: Option<Instant>,
 }
 
 impl Patience {
     /// Listens to signals, and to the clock for the time limit.
-    pub(super) fn new(time_limit: Option<Duration>) -> anyhow::Result<Self> {
+    pub(crate) fn new(time_limit: Option<Duration>) -> anyhow::Result<Self> {
         let told = Arc::new(AtomicBool::new(false));
         for (signal, code) in [(SIGINT, 130), (SIGTERM, 143)] {
             let listen = || -> std::io::Result<()> {
@@ -66,24 +66,24 @@ impl Patience {
     }
 
     /// Whether it is over.
-    pub(super) fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         self.is_interrupted() || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
     /// Whether a signal came.
-    pub(super) fn is_interrupted(&self) -> bool {
+    pub(crate) fn is_interrupted(&self) -> bool {
         self.told.load(Ordering::Relaxed)
     }
 
     /// Why it is over, as a sentence begins.
-    pub(super) fn why(&self) -> &'static str {
+    pub(crate) fn why(&self) -> &'static str {
         if self.is_interrupted() { "interrupted" } else { "the time is over" }
     }
 }
 
 /// Parses a span of time as people (`55m`, `1h30m`) and Slurm write it: `minutes`, `minutes:seconds`, `hours:minutes:seconds`,
 /// `days-hours`, `days-hours:minutes`, `days-hours:minutes:seconds`.
-pub(super) fn time_limit(text: &str) -> Result<Duration, String> {
+pub(crate) fn time_limit(text: &str) -> Result<Duration, String> {
     let wrong = || {
         "a time is 55m or 1h30m, or as Slurm has it: minutes, MM:SS, HH:MM:SS, D-HH, D-HH:MM, D-HH:MM:SS"
             .to_owned()

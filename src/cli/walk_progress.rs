@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use super::narrate;
+use super::terminal::narrate;
 use crate::solve::{PathPoint, Programme};
 
 /// Says at most every few seconds where a path is.
-pub(super) struct WalkProgress {
+pub(crate) struct WalkProgress {
     programme: Programme,
     /// Of the drive at rest.
     start: Option<f64>,
@@ -21,13 +21,13 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 impl WalkProgress {
     /// Of a path through `programme`; where `is_silent`, another process speaks.
-    pub(super) fn new(programme: Programme, is_silent: bool) -> Self {
+    pub(crate) fn new(programme: Programme, is_silent: bool) -> Self {
         let now = Instant::now();
         Self { programme, start: None, begun: now, said: now, states: 0, is_silent }
     }
 
     /// Takes note of an accepted state.
-    pub(super) fn note(&mut self, point: &PathPoint) {
+    pub(crate) fn note(&mut self, point: &PathPoint) {
         self.start.get_or_insert(point.drive);
         self.states += 1;
         if !self.is_silent && self.said.elapsed() >= PATIENCE {
