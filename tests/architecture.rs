@@ -344,6 +344,13 @@ fn a_room_named_from_its_left_is_reported() {
     assert_broken("src/evolve/mod.rs", "use crate::report::X;", "names `report`");
     assert_broken("src/io/mod.rs", "use crate::report::X;", "room `io`");
     assert_broken("src/report/mod.rs", "use crate::cli::X;", "names `cli`");
+    assert_broken("src/evolve/a.rs", "use crate::scene::X;", "names `scene`");
+    assert_broken("src/io/a.rs", "use crate::study::X;", "names `study`");
+    assert_broken("src/scene/a.rs", "use crate::study::X;", "names `study`");
+    assert_broken("src/verify/a.rs", "use crate::study::X;", "names `study`");
+    assert_broken("src/study/a.rs", "use crate::verify::X;", "names `verify`");
+    assert_broken("src/study/a.rs", "use crate::cli::X;", "names `cli`");
+    assert_broken("src/scene/a.rs", "use crate::monitor::X;", "names `monitor`");
     assert_broken("src/attic/mod.rs", "", "no known room");
 }
 
@@ -354,6 +361,9 @@ fn a_room_named_from_its_right_is_free() {
     assert_kept("src/report/a.rs", "use crate::io::X; use crate::evolve::Y;");
     assert_kept("src/io/a.rs", "use crate::evolve::Y;");
     assert_kept("src/cli/a.rs", "use crate::report::Y;");
+    assert_kept("src/scene/a.rs", "use crate::{io::X, printing::Y, report::Z};");
+    assert_kept("src/verify/a.rs", "use crate::scene::X;");
+    assert_kept("src/study/a.rs", "use crate::{monitor::X, scene::Y};");
     assert_kept("src/main.rs", "use crate::report::Y;");
     assert_kept(
         "src/model/a.rs",
@@ -393,6 +403,10 @@ fn a_room_that_prints_or_opens_files_is_reported() {
     assert_broken("src/batch/a.rs", "use std::fs;", "`std::fs`");
     assert_broken("src/batch/a.rs", "use std::{fs, io};\nfn f() { fs::write(); }", ":2: `fs::`");
     assert_broken("src/mesh/a.rs", "use std::process::Command;", "`process::Command`");
+    assert_broken("src/study/a.rs", "use indicatif::ProgressBar;", "`indicatif`");
+    assert_broken("src/scene/a.rs", "fn f() { eprintln!(); }", "`eprintln!`");
+    assert_broken("src/verify/a.rs", "fn f() { std::io::stdout(); }", "`stdout`");
+    assert_kept("src/study/a.rs", "use std::fs;");
     assert_kept("src/report/a.rs", "use std::fs;");
     assert_kept("src/cli/a.rs", "fn f() { println!(); }");
 }

@@ -10,8 +10,8 @@ use crate::io::vtu::Picture;
 use crate::io::{OutputFolder, stl};
 use crate::mesh::{MeshSettings, surface_of_field};
 use crate::scene::checks::check_mesh;
+use crate::scene::part::on_disk::read_network;
 use crate::scene::results::design_folder::write_json;
-use crate::scene::simulate::read_network;
 use crate::surface::SurfaceQuality;
 
 /// Meshes the network at `path` and writes surface and quality into the new folder `out`.

@@ -1,12 +1,21 @@
 //! The command line: what was typed, turned into work, and work turned into files and lines.
 
+mod deck;
 mod doctor;
+mod evolve;
+mod export;
+mod film;
 mod inspect;
 mod keys;
+mod listener;
 mod mesh;
-pub(crate) mod patience;
-pub(crate) mod terminal;
-pub(crate) mod walk_progress;
+#[cfg(feature = "monitor")]
+mod monitor;
+mod patience;
+mod pick;
+mod simulate;
+mod terminal;
+mod walk_progress;
 
 #[cfg(feature = "monitor")]
 use std::net::IpAddr;
@@ -19,16 +28,17 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 pub use self::inspect::{Input, inspect};
+use self::listener::Listener;
+use self::patience::Patience;
 use self::terminal::{say, warn};
 use crate::io::{OutputFolder, atomic};
 use crate::mesh::ShellElement;
-use crate::scene::deck::{self, comparison as deck_comparison};
+use crate::scene::deck::Choices;
+use crate::scene::error::one_line;
 use crate::scene::part::solid_part::SolidSection;
-use crate::scene::{scene_file, simulate};
+use crate::scene::{End, scene_file};
 use crate::solve::{Backend, Job};
-#[cfg(feature = "monitor")]
-use crate::study::monitor;
-use crate::study::{certify, comparison, export, film, pick, report, run_file, search};
+use crate::study::{Manner, certify, comparison, report, run_file};
 use crate::verify::benchmarks::{self, Selection};
 use crate::verify::cases::{CURVES, SHELLS};
 use crate::verify::files::SceneFolder;
@@ -282,12 +292,13 @@ impl Benchmarks {
     fn run(self, folder: &'static SceneFolder) -> anyhow::Result<()> {
         let Self { case, element, out, list, quick, solver } = self;
         if list {
-            return benchmarks::list(folder);
+            say_all(&benchmarks::list(folder)?);
+            return Ok(());
         }
         let element = element.map(ShellElement::from);
         let selection = Selection { folder, cases: case, element, quick, solver: solver.into() };
         // Its CPU times are those of one thread.
-        on_threads(1, || benchmarks::run(&selection, out.as_deref()))
+        on_threads(1, || benchmarks::run(&selection, out.as_deref(), &Listener::default()))
     }
 }
 
@@ -402,9 +413,9 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         }
         Command::Evolve { run, out, resume, threads, time_limit, solver, json, .. } => {
             let (run, out) = (given(run), given(out));
-            let solver = solver.map(Backend::from);
-            let manner = search::Manner { resume, threads, solver, time_limit, json, job };
-            return Ok(search::run(&run, &out, &manner)?.into());
+            let manner = Manner { resume, threads, job };
+            let asked = evolve::Asked { solver: solver.map(Backend::from), time_limit, json };
+            return Ok(evolve::run(&run, &out, &manner, &asked)?.into());
         }
         Command::Simulate { scene, out, solver, json, threads, .. } => {
             let (scene, out, solver) = (given(scene), given(out), solver.map(Backend::from));
@@ -431,41 +442,45 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
                 resume,
                 threads,
                 solver: solver.map(Backend::from),
-                time_limit,
             };
-            return Ok(certify::run(&request)?.into());
+            let patience = Patience::new(time_limit)?;
+            return Ok(certify::certify_designs(&request, &patience, &Listener::default())?.into());
         }
         Command::Export(export) => export.run(),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
         Command::Deck { source, id, out, poisson_ratio, edge, pressure, samples, solver } => {
             let solver = solver.map(Backend::from);
-            let choices = deck::Choices { poisson_ratio, edge, pressure, samples, solver };
+            let choices = Choices { poisson_ratio, edge, pressure, samples, solver };
             deck::run(&source, id.as_deref(), &out, &choices)
         }
         Command::Compare { folder, other: Some(other), out, json } => {
-            comparison::run([&folder, &other], out.as_deref(), json)
+            let comparison = comparison::compare([&folder, &other], out.as_deref())?;
+            let words = || comparison.in_words(out.as_deref());
+            say(&if json { serde_json::to_string_pretty(&comparison)? } else { words() });
+            Ok(())
         }
-        Command::Compare { folder, other: None, json, .. } => {
-            anyhow::ensure!(
-                !folder.join("run.toml").exists(),
-                "{} is a run; name another run to compare it with",
-                folder.display()
-            );
-            deck_comparison::run(&folder, json)
-        }
+        Command::Compare { folder, other: None, json, .. } => deck::compare(&folder, json),
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),
-        Command::Verify { what: Verified::Stability { list: true, .. } } => stability::list(),
+        Command::Verify { what: Verified::Stability { list: true, .. } } => {
+            say_all(&stability::list()?);
+            Ok(())
+        }
         Command::Verify { what: Verified::Stability { case, out, quick, solver, .. } } => {
             let solver = solver.map(Backend::from);
             let selection = stability::Selection { cases: case, solver, quick };
-            on_threads(1, || stability::run(&selection, out.as_deref()))
+            on_threads(1, || stability::run(&selection, out.as_deref(), &Listener::default()))
         }
         #[cfg(feature = "monitor")]
         Command::Monitor { run, port, listen } => monitor::run(&run, listen, port),
         Command::Film(film) => film.run(),
         Command::Pick(pick) => pick.run(),
-        Command::Report { run } => report::run(&run),
+        Command::Report { run } => {
+            let reported = report::report(&run, &Listener::default())?;
+            say(&reported.table);
+            say_all(&reported.written);
+            Ok(())
+        }
         Command::Doctor { json } => doctor::run(json),
         Command::Completions { shell } => {
             let mut text = Vec::new();
@@ -482,6 +497,22 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
     done.map(|()| ExitCode::SUCCESS)
 }
 
+/// The exit code of [`End::Stopped`].
+const STOPPED: u8 = 3;
+
+impl From<End> for ExitCode {
+    fn from(end: End) -> Self {
+        match end {
+            End::Finished => Self::SUCCESS,
+            End::Stopped => Self::from(STOPPED),
+        }
+    }
+}
+
+fn say_all(lines: &[String]) {
+    lines.iter().for_each(|line| say(line));
+}
+
 /// Does `work` on this thread, whose parallel loops run on so many threads, itself included.
 fn on_threads<Answer: Send>(
     threads: usize,
@@ -493,19 +524,6 @@ fn on_threads<Answer: Send>(
 
 fn given(path: Option<PathBuf>) -> PathBuf {
     path.expect("clap demands the path unless defaults are printed")
-}
-
-/// An error and its causes in one line; a cause that its effect has told already is not repeated.
-pub(crate) fn one_line(error: &anyhow::Error) -> String {
-    let mut told = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if told.is_empty() {
-            told = cause;
-        } else if !told.ends_with(&cause) {
-            told = format!("{told}: {cause}");
-        }
-    }
-    told
 }
 
 /// More threads than any machine has cores would only take its memory.

@@ -3,7 +3,6 @@
 //! A first SIGINT (Ctrl-C) or SIGTERM asks: what has ended is written, and the exit code is 3. A second one ends the process
 //! at once, with the exit codes of a shell, 130 and 143.
 
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -12,45 +11,18 @@ use anyhow::Context;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::solve::{Ending, Path};
-
-/// How a command that may be stopped has ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum End {
-    Finished,
-    /// What it had is in its folder.
-    Stopped,
-}
-
-impl End {
-    /// How a command ends that was to walk a path.
-    pub(crate) fn of(walked: &Path) -> Self {
-        if walked.ending == Ending::Interrupted { Self::Stopped } else { Self::Finished }
-    }
-}
-
-/// The exit code of [`End::Stopped`].
-const STOPPED: u8 = 3;
-
-impl From<End> for ExitCode {
-    fn from(end: End) -> Self {
-        match end {
-            End::Finished => Self::SUCCESS,
-            End::Stopped => Self::from(STOPPED),
-        }
-    }
-}
+use crate::study::Limits;
 
 /// Who may ask a command to stop.
 #[derive(Clone, Debug)]
-pub(crate) struct Patience {
+pub(super) struct Patience {
     told: Arc<AtomicBool>,
     deadline: Option<Instant>,
 }
 
 impl Patience {
     /// Listens to signals, and to the clock for the time limit.
-    pub(crate) fn new(time_limit: Option<Duration>) -> anyhow::Result<Self> {
+    pub(super) fn new(time_limit: Option<Duration>) -> anyhow::Result<Self> {
         let told = Arc::new(AtomicBool::new(false));
         for (signal, code) in [(SIGINT, 130), (SIGTERM, 143)] {
             let listen = || -> std::io::Result<()> {
@@ -64,26 +36,21 @@ impl Patience {
         let deadline = time_limit.and_then(|limit| Instant::now().checked_add(limit));
         Ok(Self { told, deadline })
     }
+}
 
-    /// Whether it is over.
-    pub(crate) fn is_over(&self) -> bool {
+impl Limits for Patience {
+    fn is_over(&self) -> bool {
         self.is_interrupted() || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Whether a signal came.
-    pub(crate) fn is_interrupted(&self) -> bool {
+    fn is_interrupted(&self) -> bool {
         self.told.load(Ordering::Relaxed)
-    }
-
-    /// Why it is over, as a sentence begins.
-    pub(crate) fn why(&self) -> &'static str {
-        if self.is_interrupted() { "interrupted" } else { "the time is over" }
     }
 }
 
 /// Parses a span of time as people (`55m`, `1h30m`) and Slurm write it: `minutes`, `minutes:seconds`, `hours:minutes:seconds`,
 /// `days-hours`, `days-hours:minutes`, `days-hours:minutes:seconds`.
-pub(crate) fn time_limit(text: &str) -> Result<Duration, String> {
+pub(super) fn time_limit(text: &str) -> Result<Duration, String> {
     let wrong = || {
         "a time is 55m or 1h30m, or as Slurm has it: minutes, MM:SS, HH:MM:SS, D-HH, D-HH:MM, D-HH:MM:SS"
             .to_owned()

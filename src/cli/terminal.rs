@@ -7,17 +7,17 @@ use std::borrow::Cow;
 use std::io::Write;
 
 /// Prints `text` for the user; a closed pipe ends the listening, not the work.
-pub(crate) fn say(text: &str) {
+pub(super) fn say(text: &str) {
     let _ = writeln!(std::io::stdout(), "{}", harmless(text.trim_end()));
 }
 
 /// Prints `text` for whoever watches, where the answer itself is for a program.
-pub(crate) fn narrate(text: &str) {
+pub(super) fn narrate(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", harmless(text.trim_end()));
 }
 
 /// Prints one line about something wrong.
-pub(crate) fn warn(line: &str) {
+pub(super) fn warn(line: &str) {
     let _ = writeln!(std::io::stderr(), "pneumorph: {}", shortened(&one_line(line)));
 }
 

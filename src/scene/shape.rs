@@ -3,23 +3,21 @@
 use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
+use super::actuator::holds_the_tip;
+use super::observer::Observer;
 use super::part::PartSource;
 use super::scene_file::SceneFile;
-use super::simulate::holds_the_tip;
 use super::watch::{Watch, Watched};
 use super::watch_curve::WatchCurve;
-use crate::cli::walk_progress::WalkProgress;
 use crate::fitness;
 use crate::io::{ChamberFound, OwnSolid};
 use crate::math::cpu_seconds;
 use crate::mesh::{Ends, Patch, ShellMesh, Side, SolidMesh};
-use crate::model::system::{LoadedSystem, System};
+use crate::model::system::System;
 use crate::model::{DeadLoad, EdgeSupports, FollowerForce, PartModel, PatchLoads, free_motions};
 use crate::scene::part::closed_part;
 use crate::scene::part::patch_part::{Force, PatchSection};
-use crate::solve::{
-    Backend, Ending, EquilibriumSolver, Path as Walked, PathPoint, Stop, follow_watched,
-};
+use crate::solve::{Backend, Path as Walked, PathPoint, Stop, follow_watched, linear_path};
 use crate::surface::TriangleMesh;
 
 /// A part ready to be loaded.
@@ -78,8 +76,12 @@ impl Shape {
     ///
     /// # Errors
     /// When the surface or what holds it does not make a shell.
-    pub(crate) fn new(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
-        let mut shape = Self::unfolded(scene, source)?;
+    pub(crate) fn new(
+        scene: &SceneFile,
+        source: &PartSource<'_>,
+        observer: &dyn Observer,
+    ) -> anyhow::Result<Self> {
+        let mut shape = Self::unfolded(scene, source, observer)?;
         if let PartSource::Tetrahedra { .. } = source {
             // Folds are those of middles of walls.
             return Ok(shape);
@@ -92,14 +94,18 @@ impl Shape {
     }
 
     /// The part without contact of its folds.
-    fn unfolded(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<Self> {
+    fn unfolded(
+        scene: &SceneFile,
+        source: &PartSource<'_>,
+        observer: &dyn Observer,
+    ) -> anyhow::Result<Self> {
         if let PartSource::Patch(section) = source {
             return of_patch(scene, section);
         }
         if let PartSource::Tetrahedra { file, solid, .. } = source {
             return of_tetrahedra(scene, solid).with_context(|| file.display().to_string());
         }
-        let mesh = closed_part::shell(scene, source)?;
+        let mesh = closed_part::shell(scene, source, observer)?;
         let support = closed_part::support(source, &mesh);
         let planes = scene.plane_settings(scene.load_settings().pressure)?;
         let model = PartModel::new(&mesh, &scene.material.material()?, &support, &planes)
@@ -115,26 +121,26 @@ impl Shape {
         Some(fitness::Watched { surface: &self.surface, tip: vertices, length: *length })
     }
 
-    /// Walks the path of the `scene` until `stop` wants its end, or takes its one linear step; tells how far it is unless `is_silent`.
+    /// Walks the path of the `scene` until `stop` wants its end, or takes its one linear step.
     pub(crate) fn measure(
         &mut self,
         scene: &SceneFile,
         backend: Backend,
         start: f64,
         stop: Stop<'_>,
-        is_silent: bool,
+        observer: &dyn Observer,
     ) -> anyhow::Result<Measured> {
         let largest = scene.load_settings();
         let mut solver = backend.solver_by(scene.solver.linear, self.model.pattern())?;
         let walked = if scene.load.linear {
-            linear_step(&mut self.model, solver.as_mut(), largest.pressure)?
+            linear_path(&mut self.model, solver.as_mut(), largest.pressure)?
         } else {
             let at_rest = self.model.volume(&vec![0.0; self.model.unknowns()]);
             let programme = scene.programme(at_rest)?;
             self.model.set_stretch_bound(largest.stretch_bound);
-            let mut progress = WalkProgress::new(programme, is_silent);
+            observer.walk_begins(programme);
             let (model, solver, path) = (&mut self.model, solver.as_mut(), &largest.path);
-            let note = &mut |point: &PathPoint| progress.note(point);
+            let note = &mut |point: &PathPoint| observer.state(point);
             follow_watched(model, solver, programme, path, stop, note)?
         };
         let seconds = cpu_seconds() - start;
@@ -264,37 +270,4 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
         .collect::<anyhow::Result<_>>()?;
     let (chamber, warnings, tip) = (None, Vec::new(), None);
     Ok(Shape { surface: patch.surface, model, chamber, warnings, watches, tip })
-}
-
-/// Rest, and the state that the linear theory has at the `largest` load.
-fn linear_step(
-    model: &mut PartModel,
-    solver: &mut dyn EquilibriumSolver,
-    largest: f64,
-) -> anyhow::Result<Walked> {
-    let walked =
-        |points, ending| Walked { points, ending, place: None, fell: false, newton_iterations: 0 };
-    let rest = vec![0.0; model.pattern().order()];
-    model.set_load(0.0);
-    let negative_pivots = solver.linearize(model, &rest)?;
-    if negative_pivots != model.stable_negative_pivots() {
-        return Ok(walked(Vec::new(), Ending::Unstable));
-    }
-    let mut direction = rest.clone();
-    model.load_direction(&rest, &mut direction);
-    let mut rate = direction.clone();
-    solver.solve_linearized(&mut rate)?;
-    let conjugate_rate: f64 = direction.iter().zip(&rate).map(|(f, u)| f * u).sum();
-    let at_rest = model.conjugate(&rest);
-    let point = |load: f64| PathPoint {
-        load,
-        conjugate: at_rest + load * conjugate_rate,
-        work: 0.5 * load * load * conjugate_rate,
-        stored_energy: 0.5 * load * load * conjugate_rate,
-        x: rate.iter().map(|rate| load * rate).collect(),
-        rate: rate.clone(),
-        conjugate_rate,
-        ..PathPoint::at_rest(load, 0)
-    };
-    Ok(walked(vec![point(0.0), point(largest)], Ending::Reached))
 }

@@ -5,28 +5,24 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use serde::Serialize;
 
+use super::observer::{End, Observer};
 use super::part::PartSource;
+use super::results::contact_rows::{PlaneSummary, plane_summaries, planes_in_words, write_contact};
+use super::results::design_folder::{write_json, write_model_pictures, write_watches};
+use super::results::path_rows::{LoadKind, ReactionSummary, path_table, states};
+use super::results::walk_summary::{WalkSummary, check_left_rest};
 use super::scene_file::SceneFile;
 use super::shape::{ChamberReport, Measured, Shape};
-use super::simulate::NOTHING_WRITTEN;
-use crate::cli::patience::End;
-use crate::cli::terminal::say;
-use crate::cli::terminal::warn;
+use super::simulate::{Request, Simulated, Summary};
 use crate::fitness::observations;
 use crate::io::provenance::Provenance;
 use crate::io::{OutputFolder, atomic, stl};
 use crate::math::cpu_seconds;
-use crate::scene::results::contact_rows::{PlaneSummary, plane_summaries, write_contact};
-use crate::scene::results::design_folder::{write_json, write_model_pictures, write_watches};
-use crate::scene::results::path_rows::{
-    LoadKind, ReactionSummary, path_table, planes_in_words, states,
-};
-use crate::scene::results::walk_summary::{WalkSummary, check_left_rest};
-use crate::solve::{Backend, Ending, Job, Stop};
+use crate::solve::{Backend, Ending, Stop};
 
-/// `summary.json`: the last state of the path, and what it took.
+/// Of a part that is no shell with a tip: the last state of the path, and what it took.
 #[derive(Debug, Serialize)]
-struct Summary<'a> {
+pub(crate) struct ShapeSummary {
     /// Of a closed part, MPa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pressure: Option<f64>,
@@ -44,7 +40,7 @@ struct Summary<'a> {
     chamber: Option<ChamberReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     warnings: Vec<String>,
-    watches: Vec<Watch<'a>>,
+    watches: Vec<WatchValue>,
     stored_energy: f64,
     max_displacement: f64,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -72,36 +68,40 @@ struct TipSummary {
 }
 
 #[derive(Debug, Serialize)]
-struct Watch<'a> {
-    name: &'a str,
+struct WatchValue {
+    name: String,
     value: f64,
 }
 
-/// Runs the `scene` read from `path`; the first process of the `job` writes its results into the new folder `out`.
-pub(crate) fn run(
-    path: &Path,
+/// Walks the `scene` of `request`, read already; the first process writes its results.
+///
+/// # Errors
+/// When its part cannot be made, is not stable at rest, or a solver fails.
+pub(crate) fn simulate(
+    request: &Request<'_>,
     scene: &SceneFile,
     source: &PartSource<'_>,
-    out: &Path,
-    json: bool,
-    job: Job,
     stop: Stop<'_>,
-) -> anyhow::Result<End> {
+    observer: &dyn Observer,
+) -> anyhow::Result<Simulated> {
+    let Request { scene: path, out, job, .. } = *request;
+    let lies = source.check_size(&scene.part, scene.wall.thickness)?;
+    lies.iter().for_each(|line| observer.warning(line));
     let start = cpu_seconds();
     let named = || path.display().to_string();
-    let mut shape = Shape::new(scene, source).with_context(named)?;
-    if let PartSource::Tetrahedra { file, .. } = source
-        && job.is_first()
-    {
+    let mut shape = Shape::new(scene, source, observer).with_context(named)?;
+    if let PartSource::Tetrahedra { file, .. } = source {
         let file = file.display();
-        shape.warnings.iter().for_each(|warning| warn(&format!("{file}: {warning}")));
+        shape.warnings.iter().for_each(|warning| observer.warning(&format!("{file}: {warning}")));
     }
     let claim = job.is_first().then(|| OutputFolder::claim(out)).transpose()?;
     let measured = shape
-        .measure(scene, scene.solver.backend, start, stop, !job.is_first())
+        .measure(scene, scene.solver.backend, start, stop, observer)
         .and_then(|measured| check_left_rest(&measured.walked).map(|()| measured))
         .with_context(named);
-    let Some((folder, lock)) = claim else { return Ok(End::of(&measured?.walked)) };
+    let Some((folder, lock)) = claim else {
+        return Ok(Simulated { end: End::of(&measured?.walked), summary: None });
+    };
     let Measured { walked, unknowns, cpu_seconds, curves, .. } = match measured {
         Ok(measured) if !measured.walked.points.is_empty() => measured,
         nothing => {
@@ -113,8 +113,7 @@ pub(crate) fn run(
                 path.display(),
                 walked.ending.name().replace('_', " ")
             );
-            say(NOTHING_WRITTEN);
-            return Ok(End::Stopped);
+            return Ok(Simulated { end: End::Stopped, summary: None });
         }
     };
     let points = &walked.points;
@@ -130,9 +129,11 @@ pub(crate) fn run(
     let end = states.last().expect("a state for each point");
     let watches = || scene.watches.iter().map(|watch| watch.name.as_str()).zip(&curves);
     let final_values = watches()
-        .filter_map(|(name, curve)| Some(Watch { name, value: curve.points.last()?.value }))
+        .filter_map(|(name, curve)| {
+            Some(WatchValue { name: name.to_owned(), value: curve.points.last()?.value })
+        })
         .collect();
-    let summary = Summary {
+    let summary = ShapeSummary {
         pressure: (!is_patch).then_some(last.load),
         load_share: is_patch.then_some(last.load),
         tip: rows.last().map(|row| TipSummary {
@@ -164,18 +165,14 @@ pub(crate) fn run(
     write_contact(folder.path(), load, points, &states)?;
     write_watches(folder.path(), load, points, watches())?;
     write_model_pictures(folder.path(), "path", &shape.model, points, source.placed())?;
+    let summary = Summary::Shape(Box::new(summary));
     write_json(&folder.file("summary.json"), &summary)?;
     lock.remove();
-    say(&if json {
-        serde_json::to_string_pretty(&summary)?
-    } else {
-        summary.in_words(out, &planes_in_words(&end.planes))
-    });
-    Ok(End::of(&walked))
+    Ok(Simulated { end: End::of(&walked), summary: Some(summary) })
 }
 
-impl Summary<'_> {
-    fn in_words(&self, out: &Path, planes: &str) -> String {
+impl ShapeSummary {
+    pub(crate) fn in_words(&self, out: &Path) -> String {
         let load = match (self.load_share, self.pressure) {
             (Some(share), _) => format!("load share {share:.4}"),
             (None, pressure) => format!("{:.4} MPa", pressure.unwrap_or_default()),
@@ -190,7 +187,8 @@ impl Summary<'_> {
             _ => String::new(),
         };
         let held = self.reaction.as_ref().map_or_else(String::new, ReactionSummary::in_words);
-        let watch = |watch: &Watch<'_>| format!(", {} = {:.6e}", watch.name, watch.value);
+        let planes = planes_in_words(&self.planes);
+        let watch = |watch: &WatchValue| format!(", {} = {:.6e}", watch.name, watch.value);
         let watches: String = self.watches.iter().map(watch).collect();
         let chamber =
             self.chamber.as_ref().map_or_else(String::new, |chamber| chamber.in_words() + "\n");

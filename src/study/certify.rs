@@ -7,19 +7,15 @@
 //! ```
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::meaning::Meaning;
+use super::observer::{Limits, Observer};
 use super::overload::overload;
 use super::run_file::RunFile;
-use super::search::progress_bar;
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, Threads};
-use crate::cli::patience::{End, Patience};
-use crate::cli::terminal::say;
-use crate::cli::terminal::warn;
 use crate::evolve::Nsga2;
 use crate::fitness::{
     CandidateSettings, Certificate, Evaluation, FidelitySettings, Outcome, Scenarios, Unevaluated,
@@ -31,10 +27,11 @@ use crate::io::{FolderLock, OutputFolder, atomic, csv, input, msh};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::ShellMesh;
 use crate::report::FrontPoint;
+use crate::scene::End;
+use crate::scene::part::on_disk::read_network;
 use crate::scene::part::solid_part::{SolidPart, SolidReport, SolidSection};
 use crate::scene::results::design_folder::{write_json, write_surface};
 use crate::scene::results::path_rows::write_scenarios;
-use crate::scene::simulate::read_network;
 use crate::solve::{Backend, Stop};
 
 /// A design to be certified.
@@ -108,13 +105,18 @@ pub(crate) struct Request<'a> {
     pub resume: bool,
     pub threads: usize,
     pub solver: Option<Backend>,
-    pub time_limit: Option<Duration>,
 }
 
 /// Certifies what the `request` names.
-pub(crate) fn run(request: &Request<'_>) -> anyhow::Result<End> {
+///
+/// # Errors
+/// When a file or the folder is refused, a design has no name of its own, or a solver or a mesher fails as a program.
+pub(crate) fn certify_designs(
+    request: &Request<'_>,
+    limits: &dyn Limits,
+    observer: &dyn Observer,
+) -> anyhow::Result<End> {
     let &Request { files, random, out, .. } = request;
-    let patience = Patience::new(request.time_limit)?;
     if !request.resume {
         OutputFolder::check_unclaimed(out)?;
     }
@@ -123,7 +125,7 @@ pub(crate) fn run(request: &Request<'_>) -> anyhow::Result<End> {
     section.check_programs()?;
     ensure!(random <= MOST_DRAWN, "--random is {random}, but at most {MOST_DRAWN} are drawn");
     let settings = run.candidate_settings()?;
-    overload(&run, &settings.material).iter().for_each(|line| warn(line));
+    overload(&run, &settings.material).iter().for_each(|line| observer.warning(line));
     ensure!(
         files.is_empty() != (random == 0),
         "certify wants either network files or --random with a number of designs"
@@ -141,23 +143,23 @@ pub(crate) fn run(request: &Request<'_>) -> anyhow::Result<End> {
         section: &section,
         meaning: &Meaning::of_certificates(&run, &section)?,
         folder: folder.path(),
-        patience: &patience,
-        tell: &say,
+        limits,
+        observer,
     };
     let CertifiedRows { rows, is_complete } = certifying.rows(&designs, &executor)?;
     csv::write(&folder.file("certificates.csv"), &rows)?;
-    say(&table(&rows));
+    observer.table(&table(&rows));
     if !is_complete {
-        say(&format!(
+        observer.note(&format!(
             "{} after {} of {} designs; what has ended is in {}, and --resume goes on",
-            patience.why(),
+            limits.why(),
             rows.len(),
             designs.len(),
             out.display()
         ));
         return Ok(End::Stopped);
     }
-    say(&format!("results in {}", out.display()));
+    observer.note(&format!("results in {}", out.display()));
     Ok(End::Finished)
 }
 
@@ -226,9 +228,9 @@ pub(crate) struct Certifying<'a> {
     pub meaning: &'a Meaning,
     /// Holds a folder for each design.
     pub folder: &'a Path,
-    pub patience: &'a Patience,
-    /// Tells the user of a design that has ended.
-    pub tell: &'a dyn Fn(&str),
+    pub limits: &'a dyn Limits,
+    /// Is told of each design that has ended.
+    pub observer: &'a dyn Observer,
 }
 
 /// Rows in the order of their designs.
@@ -250,29 +252,27 @@ impl Certifying<'_> {
         let before: Vec<Option<Row>> = before.collect::<anyhow::Result<_>>()?;
         let open = || designs.iter().zip(&before).filter(|(_, row)| row.is_none());
         let open: Vec<&Design> = open().map(|(design, _)| design).collect();
-        let is_over = || self.patience.is_over();
+        let is_over = || self.limits.is_over();
         let stop = Stop::when(&is_over);
         let (mut done, mut failure) = (designs.len() - open.len(), None);
-        let bar = progress_bar(0, 1, designs.len());
-        bar.set_message("solids");
-        bar.inc(done as u64);
+        self.observer.work_begins("solids", done, designs.len());
         let mut watch = |_, ended: &Ended<anyhow::Result<Option<String>>>| {
             match ended {
                 Ok(Ok(Some(told))) => {
                     done += 1;
-                    bar.inc(1);
-                    bar.suspend(|| (self.tell)(&format!("{told} ({done} of {})", designs.len())));
+                    self.observer.item_done();
+                    self.observer.note(&format!("{told} ({done} of {})", designs.len()));
                 }
                 Ok(Ok(None)) => return Next::Stop,
                 Ok(Err(error)) => failure = Some(anyhow!("{error:#}")),
                 Err(panicked) => failure = Some(anyhow!("{panicked}")),
             }
-            if failure.is_some() || self.patience.is_over() { Next::Stop } else { Next::Continue }
+            if failure.is_some() || self.limits.is_over() { Next::Stop } else { Next::Continue }
         };
         let (settings, section, folder) = (self.settings, self.section, self.folder);
         let certify = |design: &&Design| certified(design, settings, section, folder, stop);
         let ended = executor.evaluate(&open, &certify, &mut watch);
-        bar.finish_and_clear();
+        self.observer.work_ends();
         if let Some(failure) = failure {
             return Err(failure);
         }
@@ -299,7 +299,7 @@ impl Certifying<'_> {
                 );
             }
             if kept.commit != COMMIT {
-                warn(&format!(
+                self.observer.warning(&format!(
                     "{} was made by another build (commit {}, now {COMMIT})",
                     self.folder.display(),
                     kept.commit

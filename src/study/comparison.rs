@@ -12,7 +12,6 @@ use serde::Serialize;
 
 use super::run_file::RunFile;
 use super::run_folder::{Record, RunFolder};
-use crate::cli::terminal::say;
 use crate::evolve::{Nsga2, hypervolume};
 use crate::fitness::Outcome;
 use crate::io::{OutputFolder, atomic};
@@ -21,7 +20,7 @@ use crate::scene::results::design_folder::write_json;
 
 /// What is told of both runs.
 #[derive(Debug, Serialize)]
-struct Comparison {
+pub(crate) struct Comparison {
     runs: [Side; 2],
     /// Keys of the run files that differ, but for the search's own: then the fronts are of different tasks.
     differing_keys: Vec<String>,
@@ -49,7 +48,10 @@ struct Side {
 }
 
 /// Compares the runs in `folders`; writes figure and numbers into the new folder `out`, if there is one.
-pub(crate) fn run(folders: [&Path; 2], out: Option<&Path>, json: bool) -> anyhow::Result<()> {
+///
+/// # Errors
+/// When a folder is refused, or a run has no front.
+pub(crate) fn compare(folders: [&Path; 2], out: Option<&Path>) -> anyhow::Result<Comparison> {
     if let Some(out) = out {
         OutputFolder::check_new(out)?;
     }
@@ -67,8 +69,7 @@ pub(crate) fn run(folders: [&Path; 2], out: Option<&Path>, json: bool) -> anyhow
         atomic::write(&folder.file("fronts.png"), &png(&svg, 2.0))?;
         write_json(&folder.file("comparison.json"), &comparison)?;
     }
-    say(&if json { serde_json::to_string_pretty(&comparison)? } else { comparison.in_words(out) });
-    Ok(())
+    Ok(comparison)
 }
 
 /// A run as it is compared.
@@ -161,7 +162,8 @@ fn collect(one: &toml::Value, other: &toml::Value, path: &str, keys: &mut Vec<St
 }
 
 impl Comparison {
-    fn in_words(&self, out: Option<&Path>) -> String {
+    /// A table of both runs, for a person; `out` is where figure and numbers are.
+    pub(crate) fn in_words(&self, out: Option<&Path>) -> String {
         let [one, other] = &self.runs;
         let row = |name: &str, value: &dyn Fn(&Side) -> String| {
             format!("{name:<34}  {:>14}  {:>14}\n", value(one), value(other))

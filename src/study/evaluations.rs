@@ -9,10 +9,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use anyhow::anyhow;
 use serde::{Deserialize, Serialize};
 
+use super::observer::{Limits, Observer};
 use super::run_folder::{Place, Record, RunFolder};
-use super::search::progress_bar;
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, serve};
-use crate::cli::patience::Patience;
 use crate::evolve::Candidate;
 use crate::fitness::{
     CandidateSettings, Outcome, StageSeconds, Unevaluated, evaluate_network_until,
@@ -45,7 +44,7 @@ pub(crate) type Evaluator<'a> = dyn Executor<Candidate, Evaluated> + 'a;
 
 /// Why there are no records.
 pub(crate) enum Unfinished {
-    /// The user's patience is over; the candidates that have ended, so many, are on the disk.
+    /// The limits ended it; the candidates that have ended, so many, are on the disk.
     Stopped {
         ended: usize,
     },
@@ -114,8 +113,9 @@ pub(crate) struct Generation<'a> {
     /// The digest of the run's settings.
     pub digest: &'a str,
     pub folder: &'a RunFolder,
-    /// No candidate is begun once it is over, and those that have begun are stopped.
-    pub patience: &'a Patience,
+    /// No candidate is begun once they are over, and those that have begun are stopped.
+    pub limits: &'a dyn Limits,
+    pub observer: &'a dyn Observer,
 }
 
 impl Generation<'_> {
@@ -185,15 +185,16 @@ impl Generation<'_> {
         if fresh.is_empty() {
             return Ok(Vec::new());
         }
-        if self.patience.is_over() {
+        if self.limits.is_over() {
             return Err(Unfinished::Stopped { ended: 0 });
         }
         let mut log = self.folder.running_log()?;
-        let bar = progress_bar(self.number, self.generations, self.candidates.len());
-        bar.inc((self.candidates.len() - fresh.len()) as u64);
+        let work = format!("generation {} of {}", self.number + 1, self.generations);
+        let known = self.candidates.len() - fresh.len();
+        self.observer.work_begins(&work, known, self.candidates.len());
         let (mut failure, mut records) = (None, Vec::new());
         let mut watch = |index: usize, ended: &Ended<Evaluated>| {
-            bar.inc(1);
+            self.observer.item_done();
             match record(&fresh[index], ended, self.digest) {
                 Ok(None) => return Next::Stop,
                 Ok(Some(record)) => match log.append(&record) {
@@ -202,15 +203,15 @@ impl Generation<'_> {
                 },
                 Err(why) => failure = Some(why),
             }
-            let ends = failure.is_some() || self.patience.is_over();
+            let ends = failure.is_some() || self.limits.is_over();
             if ends { Next::Stop } else { Next::Continue }
         };
         let settings = self.settings;
-        let is_over = || self.patience.is_over();
+        let is_over = || self.limits.is_over();
         let stop = Stop::when(&is_over);
         let evaluate = |candidate: &Candidate| evaluate(candidate, settings, 0, stop);
         let outcomes = evaluator.evaluate(fresh, &evaluate, &mut watch);
-        bar.finish_and_clear();
+        self.observer.work_ends();
         if let Some(failure) = failure {
             return Err(Unfinished::Failed(failure));
         }

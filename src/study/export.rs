@@ -5,15 +5,13 @@
 //! printability.json       thickness, overhangs, bridges, trapped air, leaks, mass
 //! ```
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use anyhow::{Context, anyhow, ensure};
-use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::run_file::RunFile;
 use super::run_folder::RunFolder;
-use crate::cli::terminal::say;
 use crate::evolve::IndividualId;
 use crate::field::{CappedField, CompiledNetwork};
 use crate::genome::Network;
@@ -22,152 +20,93 @@ use crate::io::{OutputFolder, stl};
 use crate::math::Rejected;
 use crate::mesh::{WallSettings, WallSurfaces, shell_of_field, wall_surfaces};
 use crate::model::{PartModel, Support};
-use crate::printing::{Inlet, LEAST_WALL, PrintSettings, Printability, PrintedPart};
+use crate::printing::{Inlet, PrintSettings, Printability, PrintedPart};
 use crate::scene::material::within;
+use crate::scene::part::on_disk::read_network;
 use crate::scene::part::solid_part::middle;
 use crate::scene::results::design_folder::write_json;
-use crate::scene::simulate::read_network;
 use crate::surface::TriangleMesh;
 
 /// What is exported, and how.
-#[derive(Debug, Args)]
-pub(crate) struct Export {
-    /// The folder of a run, or with --run a network file.
-    source: PathBuf,
-    /// A design of the run's front, such as g003-017.
-    #[arg(required_unless_present = "run", conflicts_with = "run")]
-    id: Option<String>,
-    /// The run file that says how thick the wall of a network file is, and of what.
-    #[arg(long)]
-    run: Option<PathBuf>,
-    /// Folder for part.stl, part.3mf and printability.json; must not exist.
-    #[arg(long)]
-    out: PathBuf,
-    /// How air gets in: through the middle of the base.
-    #[arg(long, value_enum, default_value_t = InletName::Hole)]
-    inlet: InletName,
-    /// Diameter of the inlet's bore, mm.
-    #[arg(long, default_value_t = 3.0, allow_negative_numbers = true)]
-    inlet_diameter: f64,
-    /// Inner diameter of the tube that a barb is for, mm.
-    #[arg(long, default_value_t = 5.0, allow_negative_numbers = true)]
-    tube: f64,
-    /// Edge length of the triangles, mm; shorter where the wall bends, longer where that cannot be meshed.
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
-    edge: f64,
-    /// Edge of the cubes with which trapped air, leaks and bridges are looked for, mm.
-    #[arg(long, default_value_t = PrintSettings::default().voxel, allow_negative_numbers = true)]
-    voxel: f64,
-    /// Density of the material, g/cm^3.
-    #[arg(long, default_value_t = PrintSettings::default().density, allow_negative_numbers = true)]
-    density: f64,
-    /// Print the report as JSON instead of words.
-    #[arg(long)]
-    json: bool,
-}
-
-/// The names of the inlets on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum InletName {
-    /// The chamber stays a closed void.
-    None,
-    /// A bore through the base, to glue a tube into.
-    Hole,
-    /// A barb below the base, to slip a tube over.
-    Barb,
+pub(crate) struct Export<'a> {
+    /// The folder of a run, or with `run` a network file.
+    pub source: &'a Path,
+    /// A design of the run's front.
+    pub id: Option<&'a str>,
+    /// The run file of a network file.
+    pub run: Option<&'a Path>,
+    /// The new folder.
+    pub out: &'a Path,
+    pub inlet: Inlet,
+    /// The inlet in words.
+    pub inlet_words: &'a str,
+    /// Edge length of the triangles, mm.
+    pub edge: f64,
+    /// Edge of the cubes (mm), and density (g/cm^3).
+    pub print: PrintSettings,
 }
 
 /// `printability.json`.
 #[derive(Debug, Serialize)]
-struct Report<'a> {
-    design: &'a str,
-    material: &'a str,
-    inlet: &'a str,
+pub(crate) struct Report {
+    design: String,
+    material: String,
+    inlet: String,
     triangles: usize,
     /// Edge length of the faces, mm.
     edge_mm: f64,
     #[serde(flatten)]
-    printability: &'a Printability,
+    printability: Printability,
 }
 
-impl Export {
-    /// Writes the files, and says what is in them.
-    pub(crate) fn run(&self) -> anyhow::Result<()> {
-        OutputFolder::check_new(&self.out)?;
-        let inlet = self.inlet()?;
-        within("--density", self.density, 0.01, 30.0)?;
+impl Export<'_> {
+    /// Writes the files, and tells what is in them.
+    ///
+    /// # Errors
+    /// When design, edge, cubes or density are refused, the wall cannot be meshed or printed, or a file cannot be written.
+    pub(crate) fn write(&self) -> anyhow::Result<Report> {
+        OutputFolder::check_new(self.out)?;
+        within("--density", self.print.density, 0.01, 30.0)?;
         let (name, network, run) = self.design()?;
         let thickness = run.wall.thickness;
         let base_height = run.wall.clamp_height * thickness;
         within("--edge", self.edge, 0.1, 20.0)?;
-        within("--voxel, which is to find leaks of the wall,", self.voxel, 0.05, 0.5 * thickness)?;
+        let most = 0.5 * thickness;
+        within("--voxel, which is to find leaks of the wall,", self.print.voxel, 0.05, most)?;
         let refused = |rejected: Rejected| anyhow!("{name}: {rejected}");
         let (wall, edge) = self.wall(&middle_of(&network, &run)?, thickness).map_err(refused)?;
-        let part = PrintedPart::new(&wall, thickness, base_height, &inlet).map_err(refused)?;
+        let part = PrintedPart::new(&wall, thickness, base_height, &self.inlet).map_err(refused)?;
         self.check_voxels(&part.surface)?;
-        let settings = PrintSettings { voxel: self.voxel, density: self.density };
-        let printability = Printability::of(&part, &settings).map_err(refused)?;
+        let printability = Printability::of(&part, &self.print).map_err(refused)?;
 
-        let folder = OutputFolder::create_new(&self.out)?;
+        let folder = OutputFolder::create_new(self.out)?;
         stl::write(&folder.file("part.stl"), &part.surface)?;
-        let inlet = self.inlet_words();
+        let inlet = self.inlet_words;
         let material = run.material.name();
         let description = format!("pneumatic actuator, wall of {thickness} mm, {inlet}");
         let model = Model { name: &name, description: &description, material, mesh: &part.surface };
         model.write(&folder.file("part.3mf"))?;
-        let triangles = part.surface.triangles.len();
         let report = Report {
-            design: &name,
-            material,
-            inlet: &inlet,
-            triangles,
+            design: name.clone(),
+            material: material.to_owned(),
+            inlet: inlet.to_owned(),
+            triangles: part.surface.triangles.len(),
             edge_mm: edge,
-            printability: &printability,
+            printability,
         };
         write_json(&folder.file("printability.json"), &report)?;
-        let words = || format!("{}\nresults in {}", report.in_words(), self.out.display());
-        say(&if self.json { serde_json::to_string_pretty(&report)? } else { words() });
-        Ok(())
-    }
-
-    fn inlet(&self) -> anyhow::Result<Inlet> {
-        let (bore, tube) = (self.inlet_diameter, self.tube);
-        if self.inlet == InletName::None {
-            return Ok(Inlet::None);
-        }
-        // Finer ones close in printing; wider ones are no inlets.
-        within("--inlet-diameter", bore, 0.5, 50.0)?;
-        if self.inlet == InletName::Hole {
-            return Ok(Inlet::Hole { bore });
-        }
-        within("--tube", tube, 0.5, 50.0)?;
-        let barb = Inlet::Barb { bore, tube };
-        ensure!(
-            barb.barb_wall().is_some_and(|wall| wall >= LEAST_WALL),
-            "--tube is {tube:?}, but a barb with a bore of {bore:?} mm wants at least {:.1} mm, for a wall of {LEAST_WALL} mm",
-            bore + 2.0 * LEAST_WALL
-        );
-        Ok(barb)
-    }
-
-    fn inlet_words(&self) -> String {
-        let (bore, tube) = (self.inlet_diameter, self.tube);
-        match self.inlet {
-            InletName::None => "no inlet".to_owned(),
-            InletName::Hole => format!("hole of {bore} mm"),
-            InletName::Barb => format!("barb for a tube of {tube} mm, bore {bore} mm"),
-        }
+        Ok(report)
     }
 
     /// The name, the network and the run file of the design.
     fn design(&self) -> anyhow::Result<(String, Network, RunFile)> {
-        let Some(id) = &self.id else {
-            let run = self.run.as_deref().context("clap demands --run without a design")?;
+        let Some(id) = self.id else {
+            let run = self.run.context("a network file wants a run file")?;
             let name = self.source.file_stem().unwrap_or_default().to_string_lossy();
-            return Ok((name.into_owned(), read_network(&self.source)?, RunFile::read(run, None)?));
+            return Ok((name.into_owned(), read_network(self.source)?, RunFile::read(run, None)?));
         };
         let id: IndividualId = id.parse()?;
-        let folder = RunFolder::open(&self.source)?;
+        let folder = RunFolder::open(self.source)?;
         let run = folder.run_file()?;
         let network = folder.path().join("front").join(id.to_string()).join("genome.toml");
         ensure!(
@@ -191,12 +130,12 @@ impl Export {
 
     fn check_voxels(&self, surface: &TriangleMesh) -> anyhow::Result<()> {
         let (lower, upper) = surface.bounding_box().unwrap_or_default();
-        let cubes = (upper - lower).product() / self.voxel.powi(3);
+        let cubes = (upper - lower).product() / self.print.voxel.powi(3);
         ensure!(
             cubes <= MOST_CUBES,
             "--voxel is {:?}, too fine for a part of this size; {:.2} mm would do",
-            self.voxel,
-            self.voxel * (cubes / MOST_CUBES).cbrt() + 0.005
+            self.print.voxel,
+            self.print.voxel * (cubes / MOST_CUBES).cbrt() + 0.005
         );
         Ok(())
     }
@@ -213,8 +152,9 @@ fn middle_of(network: &Network, run: &RunFile) -> anyhow::Result<TriangleMesh> {
     Ok(middle(&shell, run.wall.thickness))
 }
 
-impl Report<'_> {
-    fn in_words(&self) -> String {
+impl Report {
+    /// What is in the files and what a printer would say, some lines for a person.
+    pub(crate) fn in_words(&self) -> String {
         let Printability {
             size_mm: [x, y, z],
             volume_mm3,
@@ -226,7 +166,7 @@ impl Report<'_> {
             pockets_mm3,
             warnings,
             ..
-        } = self.printability;
+        } = &self.printability;
         let yes = |answer: bool| if answer { "yes" } else { "no" };
         let [at_x, at_y, at_z] = least_wall_at_mm;
         let mut lines = vec![

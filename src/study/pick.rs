@@ -10,20 +10,19 @@ use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
 use super::run_folder::{Record, RunFolder};
-use crate::cli::terminal::say;
 use crate::evolve::{IndividualId, Nsga2};
 use crate::fitness::{Evaluation, FurtherObjective, Outcome, flags};
 
 /// What is wished of a design.
 #[derive(Clone, Debug, PartialEq)]
-struct Wish {
+pub(crate) struct Wish {
     bounds: Vec<Bound>,
     aim: Aim,
 }
 
 /// What must not be less, or more, than a number.
 #[derive(Clone, Debug, PartialEq)]
-struct Bound {
+pub(crate) struct Bound {
     quantity: Quantity,
     is_least: bool,
     value: f64,
@@ -31,14 +30,14 @@ struct Bound {
 
 /// What should be large, or small.
 #[derive(Clone, Debug, PartialEq)]
-struct Aim {
-    quantity: Quantity,
-    is_most: bool,
+pub(crate) struct Aim {
+    pub quantity: Quantity,
+    pub is_most: bool,
 }
 
 /// A number that a run has of each design.
 #[derive(Clone, Debug, PartialEq)]
-enum Quantity {
+pub(crate) enum Quantity {
     Angle,
     Force,
     Bending,
@@ -52,7 +51,10 @@ const NAMES: &str = "angle (deg), force (N), F_c, F_bf (N/kPa), merit (deg/(kPa 
 
 impl Quantity {
     /// By a name or a unit.
-    fn named(text: &str) -> anyhow::Result<Self> {
+    ///
+    /// # Errors
+    /// When no run knows it.
+    pub(crate) fn named(text: &str) -> anyhow::Result<Self> {
         let name = text.trim().to_lowercase();
         Ok(match name.as_str() {
             "angle" | "deg" | "degree" | "degrees" | "angle_deg" => Self::Angle,
@@ -109,7 +111,10 @@ impl Quantity {
 
 impl Bound {
     /// `20 N`, `force 20` or `force 20 N`.
-    fn parse(text: &str, is_least: bool) -> anyhow::Result<Self> {
+    ///
+    /// # Errors
+    /// One sentence that says what is wrong.
+    pub(crate) fn parse(text: &str, is_least: bool) -> anyhow::Result<Self> {
         let words: Vec<&str> = text.split_whitespace().collect();
         let numbers =
             words.iter().enumerate().filter_map(|(k, word)| Some((k, word.parse().ok()?)));
@@ -156,13 +161,17 @@ impl Bound {
 
 /// Phrases with commas between: bounds, and what there should be most or least of.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Phrases {
-    bounds: Vec<Bound>,
-    aims: Vec<Aim>,
+pub(crate) struct Phrases {
+    pub bounds: Vec<Bound>,
+    pub aims: Vec<Aim>,
 }
 
 impl Phrases {
-    fn parse(text: &str) -> anyhow::Result<Self> {
+    /// Reads phrases such as "at least 20 N, most angle".
+    ///
+    /// # Errors
+    /// One sentence that says which phrase is wrong.
+    pub(crate) fn parse(text: &str) -> anyhow::Result<Self> {
         let mut read = Self::default();
         for phrase in text.split(',').map(str::trim).filter(|phrase| !phrase.is_empty()) {
             let lower = phrase.to_lowercase();
@@ -185,15 +194,12 @@ impl Phrases {
 }
 
 impl Wish {
-    /// What all arguments say together.
-    fn new(arguments: &Pick) -> anyhow::Result<Self> {
-        let Phrases { mut bounds, mut aims } = arguments.wish.clone().unwrap_or_default();
-        bounds.extend(arguments.at_least.iter().chain(&arguments.at_most).cloned());
-        let mut add = |quantity: &Option<Quantity>, is_most| {
-            aims.extend(quantity.iter().cloned().map(|quantity| Aim { quantity, is_most }));
-        };
-        add(&arguments.most, true);
-        add(&arguments.least, false);
+    /// What all `phrases` say together.
+    ///
+    /// # Errors
+    /// When they do not name one thing that there should be most or least of.
+    pub(crate) fn new(phrases: Phrases) -> anyhow::Result<Self> {
+        let Phrases { bounds, mut aims } = phrases;
         ensure!(
             aims.len() == 1,
             "say what one thing there should be most or least of, such as `most angle`; {} things were asked",
@@ -214,38 +220,9 @@ impl Wish {
     }
 }
 
-/// What was asked on the command line.
-#[derive(Debug, clap::Args)]
-pub(crate) struct Pick {
-    /// The folder of a run.
-    run: PathBuf,
-    /// What is wished, such as "at least 20 N, most angle": `at least` and `at most` with a number, `most` or `least` of one thing.
-    /// Known are angle (deg), force (N), F_c, F_bf, merit and further objectives.
-    #[arg(value_parser = Phrases::parse)]
-    wish: Option<Phrases>,
-    /// A bound more, such as "force 20".
-    #[arg(long, value_parser = |text: &str| Bound::parse(text, true))]
-    at_least: Vec<Bound>,
-    /// A bound more, such as "angle 90".
-    #[arg(long, value_parser = |text: &str| Bound::parse(text, false))]
-    at_most: Vec<Bound>,
-    /// What there should be most of.
-    #[arg(long, value_parser = Quantity::named)]
-    most: Option<Quantity>,
-    /// What there should be least of.
-    #[arg(long, value_parser = Quantity::named)]
-    least: Option<Quantity>,
-    /// Look at every design that was evaluated, not at the front alone; only the front's designs have files.
-    #[arg(long)]
-    all: bool,
-    /// Print the design as JSON instead of words.
-    #[arg(long)]
-    json: bool,
-}
-
 /// What is told of the design.
 #[derive(Debug, Serialize)]
-struct Picked {
+pub(crate) struct Picked {
     id: String,
     /// Degrees, at `bending_pressure`.
     angle_deg: f64,
@@ -262,106 +239,113 @@ struct Picked {
     /// How many designs meet all bounds.
     suitable: usize,
     files: Vec<PathBuf>,
+    /// Among how many designs, of the front or of all, it was looked for.
+    #[serde(skip)]
+    among: Among,
 }
 
-impl Pick {
-    /// Finds the design and tells it.
-    pub(crate) fn run(&self) -> anyhow::Result<()> {
-        let wish = Wish::new(self)?;
-        let folder = RunFolder::open(&self.run)?;
-        let records = self.records(&folder)?;
-        let evaluated: Vec<(IndividualId, &Evaluation)> = records
-            .iter()
-            .filter_map(|record| match &record.outcome {
-                Outcome::Evaluated(evaluation) => Some((record.id, evaluation)),
-                Outcome::Rejected(_) => None,
-            })
-            .collect();
-        ensure!(!evaluated.is_empty(), "{}: no design has been evaluated", self.run.display());
-        let known = |quantity: &Quantity| {
-            let has = evaluated.iter().any(|(_, evaluation)| quantity.of(evaluation).is_some());
-            ensure!(has, "{}: the run did not ask for {}", self.run.display(), quantity.name());
-            Ok(())
-        };
-        wish.bounds
-            .iter()
-            .map(|bound| &bound.quantity)
-            .chain([&wish.aim.quantity])
-            .try_for_each(known)?;
-        let suitable = || evaluated.iter().filter(|(_, evaluation)| wish.miss(evaluation) == 0.0);
-        let best = suitable()
-            .filter_map(|(id, evaluation)| Some((*id, *evaluation, wish.value(evaluation)?)))
-            // The earlier of two that are equal.
-            .reduce(|best, next| if next.2 > best.2 { next } else { best });
-        let Some((id, evaluation, _)) = best else {
-            return Err(self.nearest(&wish, &evaluated));
-        };
-        let picked = Picked {
-            id: id.to_string(),
-            angle_deg: evaluation.angle_deg,
-            max_force: evaluation.max_force,
-            bending: evaluation.bending,
-            blocking: evaluation.blocking,
-            figure_of_merit: evaluation.figure_of_merit,
-            bending_pressure: evaluation.bending_pressure,
-            blocking_pressure: evaluation.blocking_pressure,
-            further: evaluation.further.clone(),
-            flags: flags(&evaluation.exploits),
-            suitable: suitable().count(),
-            files: files_of(&folder, id),
-        };
-        say(&if self.json {
-            serde_json::to_string_pretty(&picked)?
-        } else {
-            picked.in_words(evaluated.len(), self.all)
-        });
+/// Designs among which one is picked.
+#[derive(Clone, Copy, Debug)]
+struct Among {
+    count: usize,
+    all: bool,
+}
+
+/// Picks the design of the run in the folder `run` that the `wish` wants: of its front, or of `all` that were evaluated.
+///
+/// # Errors
+/// When the folder is refused, the run did not ask for what is wished, or no design meets all bounds; the nearest are named.
+pub(crate) fn pick(run: &Path, wish: &Wish, all: bool) -> anyhow::Result<Picked> {
+    let folder = RunFolder::open(run)?;
+    let records = records_of(&folder, all)?;
+    let evaluated: Vec<(IndividualId, &Evaluation)> = records
+        .iter()
+        .filter_map(|record| match &record.outcome {
+            Outcome::Evaluated(evaluation) => Some((record.id, evaluation)),
+            Outcome::Rejected(_) => None,
+        })
+        .collect();
+    ensure!(!evaluated.is_empty(), "{}: no design has been evaluated", run.display());
+    let known = |quantity: &Quantity| {
+        let has = evaluated.iter().any(|(_, evaluation)| quantity.of(evaluation).is_some());
+        ensure!(has, "{}: the run did not ask for {}", run.display(), quantity.name());
         Ok(())
-    }
+    };
+    wish.bounds
+        .iter()
+        .map(|bound| &bound.quantity)
+        .chain([&wish.aim.quantity])
+        .try_for_each(known)?;
+    let suitable = || evaluated.iter().filter(|(_, evaluation)| wish.miss(evaluation) == 0.0);
+    let best = suitable()
+        .filter_map(|(id, evaluation)| Some((*id, *evaluation, wish.value(evaluation)?)))
+        // The earlier of two that are equal.
+        .reduce(|best, next| if next.2 > best.2 { next } else { best });
+    let Some((id, evaluation, _)) = best else {
+        return Err(nearest(wish, &evaluated, all));
+    };
+    Ok(Picked {
+        id: id.to_string(),
+        angle_deg: evaluation.angle_deg,
+        max_force: evaluation.max_force,
+        bending: evaluation.bending,
+        blocking: evaluation.blocking,
+        figure_of_merit: evaluation.figure_of_merit,
+        bending_pressure: evaluation.bending_pressure,
+        blocking_pressure: evaluation.blocking_pressure,
+        further: evaluation.further.clone(),
+        flags: flags(&evaluation.exploits),
+        suitable: suitable().count(),
+        files: files_of(&folder, id),
+        among: Among { count: evaluated.len(), all },
+    })
+}
 
-    /// Of the front, or of all.
-    fn records(&self, folder: &RunFolder) -> anyhow::Result<Vec<Record>> {
-        let (state, _) = folder.load()?;
-        let state = state.with_context(|| {
-            format!("{}: no generation has been finished yet", self.run.display())
-        })?;
-        let search = Nsga2::resume(state.search)?;
-        let mut records = folder.records(search.generation())?;
-        if !self.all {
-            let front: Vec<IndividualId> =
-                search.front().iter().map(|individual| individual.id).collect();
-            records.retain(|record| front.contains(&record.id));
-        }
-        Ok(records)
+/// The records of the front, or of all.
+fn records_of(folder: &RunFolder, all: bool) -> anyhow::Result<Vec<Record>> {
+    let (state, _) = folder.load()?;
+    let state = state.with_context(|| {
+        format!("{}: no generation has been finished yet", folder.path().display())
+    })?;
+    let search = Nsga2::resume(state.search)?;
+    let mut records = folder.records(search.generation())?;
+    if !all {
+        let front: Vec<IndividualId> =
+            search.front().iter().map(|individual| individual.id).collect();
+        records.retain(|record| front.contains(&record.id));
     }
+    Ok(records)
+}
 
-    /// Why no design is picked, with those that miss least.
-    fn nearest(&self, wish: &Wish, evaluated: &[(IndividualId, &Evaluation)]) -> anyhow::Error {
-        let mut misses: Vec<_> = evaluated.to_vec();
-        misses.sort_by(|a, b| wish.miss(a.1).total_cmp(&wish.miss(b.1)));
-        let told = |(id, evaluation): &(IndividualId, &Evaluation)| {
-            let values = wish
-                .bounds
-                .iter()
-                .filter_map(|bound| Some(bound.quantity.in_words(bound.quantity.of(evaluation)?)));
-            format!("{id} ({})", values.collect::<Vec<_>>().join(", "))
-        };
-        let nearest: Vec<String> = misses.iter().take(NEAREST).map(told).collect();
-        let bounds: Vec<String> = wish.bounds.iter().map(Bound::in_words).collect();
-        let among = if self.all { "run" } else { "front" };
-        let hint = if self.all { "" } else { "; --all looks beyond the front" };
-        anyhow!(
-            "no design of the {among} has {}; nearest: {}{hint}",
-            bounds.join(" and "),
-            nearest.join(", ")
-        )
-    }
+/// Why no design is picked, with those that miss least.
+fn nearest(wish: &Wish, evaluated: &[(IndividualId, &Evaluation)], all: bool) -> anyhow::Error {
+    let mut misses: Vec<_> = evaluated.to_vec();
+    misses.sort_by(|a, b| wish.miss(a.1).total_cmp(&wish.miss(b.1)));
+    let told = |(id, evaluation): &(IndividualId, &Evaluation)| {
+        let values = wish
+            .bounds
+            .iter()
+            .filter_map(|bound| Some(bound.quantity.in_words(bound.quantity.of(evaluation)?)));
+        format!("{id} ({})", values.collect::<Vec<_>>().join(", "))
+    };
+    let nearest: Vec<String> = misses.iter().take(NEAREST).map(told).collect();
+    let bounds: Vec<String> = wish.bounds.iter().map(Bound::in_words).collect();
+    let among = if all { "run" } else { "front" };
+    let hint = if all { "" } else { "; --all looks beyond the front" };
+    anyhow!(
+        "no design of the {among} has {}; nearest: {}{hint}",
+        bounds.join(" and "),
+        nearest.join(", ")
+    )
 }
 
 /// How many designs are told that come near.
 const NEAREST: usize = 3;
 
 impl Picked {
-    fn in_words(&self, of: usize, all: bool) -> String {
+    /// Its numbers and its files, a line each, for a person.
+    pub(crate) fn in_words(&self) -> String {
+        let Among { count: of, all } = self.among;
         let Self { id, angle_deg, max_force, bending, blocking, bending_pressure, .. } = self;
         let among = if all { "evaluated designs" } else { "designs of the front" };
         let mut text = format!(

@@ -6,10 +6,9 @@ use anyhow::Context;
 
 use super::certify::Row;
 use super::design_pictures::{self, Blocking, Pictured, StoredPath};
+use super::observer::Observer;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, outcome_counts};
-use crate::cli::terminal::say;
-use crate::cli::terminal::warn;
 use crate::evolve::{Breeding, Crossover, Mutation, Nsga2, Nsga2Settings, Survival};
 use crate::fitness::{FurtherObjective, Sense};
 use crate::io::{atomic, input};
@@ -35,12 +34,23 @@ const FIGURES: [(&str, &str); 4] = [
 /// The page.
 const PAGE: &str = "report.html";
 
-/// Draws the figures of the run in `path`, writes its page, and prints its front.
-pub(crate) fn run(path: &Path) -> anyhow::Result<()> {
+/// What of a run was drawn and written.
+pub(crate) struct Reported {
+    /// The front, for a person.
+    pub table: String,
+    /// What was written, a line each.
+    pub written: Vec<String>,
+}
+
+/// Draws the figures of the run in `path`, and writes its tables and its page.
+///
+/// # Errors
+/// When the folder is refused or damaged, has no generation yet, or cannot be written.
+pub(crate) fn report(path: &Path, observer: &dyn Observer) -> anyhow::Result<Reported> {
     let folder = RunFolder::open(path)?;
     let (state, damaged) = folder.load()?;
     for line in damaged {
-        warn(&format!("{line}; the checkpoint before it is used"));
+        observer.warning(&format!("{line}; the checkpoint before it is used"));
     }
     let state = state
         .filter(|state| !state.history.is_empty())
@@ -48,8 +58,7 @@ pub(crate) fn run(path: &Path) -> anyhow::Result<()> {
     let search = Nsga2::resume(state.search)?;
     let records = folder.records(search.generation())?;
     folder.write_results(&search, &state.history, &records)?;
-    say(&folder.table(&search, &records)?);
-    let mut written: Vec<&str> = vec!["front.csv", "history.csv", "outcomes.csv"];
+    let table = folder.table(&search, &records)?;
     let mut figures = Vec::new();
     for (name, caption) in FIGURES {
         let svg = input::text(&folder.file(&format!("{name}.svg")), input::DATA)?;
@@ -62,14 +71,11 @@ pub(crate) fn run(path: &Path) -> anyhow::Result<()> {
     }
     let page = page(&folder, &search, &state.history, &records, &figures, &designs)?;
     atomic::write(&folder.file(PAGE), page.as_bytes())?;
-    written.push(PAGE);
-    for name in written {
-        say(&folder.file(name).display().to_string());
-    }
-    for (name, _) in FIGURES {
-        say(&format!("{}, .png, .pdf", folder.file(&format!("{name}.svg")).display()));
-    }
-    Ok(())
+    let files = ["front.csv", "history.csv", "outcomes.csv", PAGE]
+        .map(|name| folder.file(name).display().to_string());
+    let drawn = FIGURES
+        .map(|(name, _)| format!("{}, .png, .pdf", folder.file(&format!("{name}.svg")).display()));
+    Ok(Reported { table, written: files.into_iter().chain(drawn).collect() })
 }
 
 /// A design's name with its numbers, and its picture (PNG).

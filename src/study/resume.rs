@@ -15,10 +15,10 @@ use anyhow::{bail, ensure};
 
 use super::evaluations::Known;
 use super::meaning::Meaning;
+use super::observer::Observer;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Logged, Record, RunFolder, RunState};
 use super::search::{evaluation, reference};
-use crate::cli::terminal::warn;
 use crate::evolve::{Checkpoint, IndividualId, Nsga2};
 use crate::fitness::FurtherObjective;
 use crate::io::provenance::COMMIT;
@@ -61,9 +61,10 @@ impl Start {
         folder: &RunFolder,
         run: &RunFile,
         settings: Meaning,
+        observer: &dyn Observer,
     ) -> anyhow::Result<Self> {
         let (state, damaged) = folder.load_to_resume()?;
-        folder.check_same(run, &settings, state.as_ref())?;
+        folder.check_same(run, &settings, state.as_ref(), observer)?;
         let logged = folder.logged()?;
         let kept = state.as_ref().and_then(|state| state.settings.clone());
         check_digests(folder, &logged, &[Some(&settings), kept.as_ref()])?;
@@ -75,19 +76,19 @@ impl Start {
             } else {
                 "all generations are made again from what is recorded"
             };
-            warn(&format!("{line}; {instead}"));
+            observer.warning(&format!("{line}; {instead}"));
         }
         let mut start = Self::new(run, kept.unwrap_or(settings))?;
         if let Some(RunState { mut search, history, builds, .. }) = state {
             search.settings.generations = run.evolution.generations;
-            start.tell_of_builds(folder, builds);
+            start.tell_of_builds(folder, builds, observer);
             let nsga2 = Nsga2::resume(search.clone())?;
             agrees(folder, &nsga2, &by_id, &run.fitness.further_objectives)?;
             let lost = ids_before(&nsga2).filter(|id| !by_id.contains_key(id)).count();
             if lost == 0 {
                 (start.nsga2, start.history) = (nsga2, history);
             } else {
-                warn(&format!(
+                observer.warning(&format!(
                     "candidates.jsonl lacks {lost} of the {} candidates up to the checkpoint; they are evaluated again",
                     ids_before(&nsga2).count()
                 ));
@@ -95,7 +96,8 @@ impl Start {
             }
         }
         for line in &logged.damaged {
-            warn(&format!("{line}; the damaged file is kept as {}", RunFolder::DAMAGED));
+            observer
+                .warning(&format!("{line}; the damaged file is kept as {}", RunFolder::DAMAGED));
         }
         let before = start.nsga2.generation();
         let is_before = |record: &&Record| record.id.generation < before;
@@ -111,13 +113,18 @@ impl Start {
     }
 
     /// Says when the search was begun by another program.
-    fn tell_of_builds(&mut self, folder: &RunFolder, mut builds: Vec<String>) {
+    fn tell_of_builds(
+        &mut self,
+        folder: &RunFolder,
+        mut builds: Vec<String>,
+        observer: &dyn Observer,
+    ) {
         if builds.last().is_some_and(|last| last == COMMIT) {
             self.builds = builds;
             return;
         }
         if let Some(last) = builds.last() {
-            warn(&format!(
+            observer.warning(&format!(
                 "{} was made by another build (commit {last}, now {COMMIT}): the same run file may give other digits",
                 folder.path().display()
             ));

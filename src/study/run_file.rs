@@ -22,21 +22,21 @@ use crate::solve::Backend;
 /// A run file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct RunFile {
-    pub evolution: Nsga2Settings,
-    pub fitness: FitnessSettings,
+pub struct RunFile {
+    pub(crate) evolution: Nsga2Settings,
+    pub(crate) fitness: FitnessSettings,
     #[serde(rename = "box")]
-    pub design_box: DesignBox,
-    pub mesh: MeshSettings,
-    pub wall: ShellSettings,
-    pub material: MaterialSection,
-    pub load: LoadSettings,
-    pub solver: SolverSection,
+    pub(crate) design_box: DesignBox,
+    pub(crate) mesh: MeshSettings,
+    pub(crate) wall: ShellSettings,
+    pub(crate) material: MaterialSection,
+    pub(crate) load: LoadSettings,
+    pub(crate) solver: SolverSection,
     /// The front again as solids, when the search is over.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub solid: Option<SolidSection>,
+    pub(crate) solid: Option<SolidSection>,
     /// Bounds of single genes, `name = [lower, upper]`.
-    pub genes: BTreeMap<String, [f64; 2]>,
+    pub(crate) genes: BTreeMap<String, [f64; 2]>,
 }
 
 /// Which solver finds the equilibria.
@@ -66,12 +66,26 @@ impl Default for RunFile {
 }
 
 impl RunFile {
-    /// Reads and checks a run file.
-    pub(crate) fn read(path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
-        let mut run: Self = toml_file::read(path)?;
-        run.solver.backend = solver.unwrap_or(run.solver.backend);
-        run.checked().with_context(|| path.display().to_string())?;
-        Ok(run)
+    /// Reads and checks the run file at `path`; `solver` is taken instead of its own.
+    ///
+    /// # Errors
+    /// One line that names the file when it cannot be read, or says what no search can.
+    pub fn read(path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
+        toml_file::read::<Self>(path)?.accepted(path, solver)
+    }
+
+    /// Reads the `text` of a run file as if it stood at `path`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(text: &str, path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
+        toml_file::parse::<Self>(text, path)?.accepted(path, solver)
+    }
+
+    fn accepted(mut self, path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
+        self.solver.backend = solver.unwrap_or(self.solver.backend);
+        self.checked().with_context(|| path.display().to_string())?;
+        Ok(self)
     }
 
     /// Itself, when every value is one that the program can work with.
@@ -128,7 +142,10 @@ impl RunFile {
     }
 
     /// What decides a candidate's outcome.
-    pub(crate) fn candidate_settings(&self) -> anyhow::Result<CandidateSettings> {
+    ///
+    /// # Errors
+    /// When `[material]` names no law, which [`Self::read`] has refused already.
+    pub fn candidate_settings(&self) -> anyhow::Result<CandidateSettings> {
         Ok(CandidateSettings {
             design_box: self.design_box,
             mesh: self.mesh,

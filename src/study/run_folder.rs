@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 use super::certify::Row;
 use super::meaning::Meaning;
 use super::mesh_error::MeshErrorRow;
+use super::observer::Observer;
 use super::run_file::RunFile;
-use crate::cli::terminal::warn;
 use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
 use crate::fitness::{Evaluation, FurtherObjective, Outcome, StageSeconds, flags};
 use crate::io::provenance::Provenance;
@@ -62,15 +62,40 @@ pub(crate) struct Place {
 
 /// One row of `history.csv`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct HistoryRow {
+pub struct HistoryRow {
+    /// Its number, from 0.
     pub generation: usize,
+    /// How many candidates it had.
     pub evaluated: usize,
+    /// How many of them have objectives.
     pub feasible: usize,
+    /// How many designs are on the front after it.
     pub front: usize,
+    /// Of objectives, that the front dominates.
     pub hypervolume: f64,
+    /// The largest bending objective on the front, rad/(m J)^(1/p).
     pub best_bending: f64,
+    /// The largest blocking objective on the front, N/kPa.
     pub best_blocking: f64,
+    /// How evenly the front is spread; small is even.
     pub spread: f64,
+}
+
+impl HistoryRow {
+    /// A line for a person, of a generation among so many.
+    #[must_use]
+    pub fn in_words(&self, generations: usize) -> String {
+        format!(
+            "generation {:3} of {generations}: {:3} of {} feasible, {:2} on the front, best F_c {:.4}, best F_bf {:.5} N/kPa, hypervolume {:.4e}",
+            self.generation + 1,
+            self.feasible,
+            self.evaluated,
+            self.front,
+            self.best_bending,
+            self.best_blocking,
+            self.hypervolume
+        )
+    }
 }
 
 /// What a checkpoint holds.
@@ -136,12 +161,16 @@ impl RunFolder {
     pub(crate) const DAMAGED: &str = "candidates.jsonl.damaged";
 
     /// A new folder for `run`, or one that a killed run had only begun to make.
-    pub(crate) fn create(path: &Path, run: &RunFile) -> anyhow::Result<Self> {
+    pub(crate) fn create(
+        path: &Path,
+        run: &RunFile,
+        observer: &dyn Observer,
+    ) -> anyhow::Result<Self> {
         let (folder, lock) = OutputFolder::claim(path).map_err(|error| match error {
             OutputError::FolderExists(_) => anyhow!("{error}, or go on with its run: --resume"),
             other => other.into(),
         })?;
-        let folder = Self { folder, _lock: Some(guarding(lock)) };
+        let folder = Self { folder, _lock: Some(guarding(lock, observer)) };
         folder.write_settings(run)?;
         Ok(folder)
     }
@@ -164,10 +193,10 @@ impl RunFolder {
     }
 
     /// The folder of an earlier run, to go on with: nobody else can at the same time.
-    pub(crate) fn open_to_resume(path: &Path) -> anyhow::Result<Self> {
+    pub(crate) fn open_to_resume(path: &Path, observer: &dyn Observer) -> anyhow::Result<Self> {
         let Self { folder, .. } = Self::open(path)?;
         let lock = FolderLock::take(path)?;
-        Ok(Self { folder, _lock: Some(guarding(lock)) })
+        Ok(Self { folder, _lock: Some(guarding(lock, observer)) })
     }
 
     /// The run file that the folder was made with.
@@ -190,6 +219,7 @@ impl RunFolder {
         run: &RunFile,
         settings: &Meaning,
         state: Option<&RunState>,
+        observer: &dyn Observer,
     ) -> anyhow::Result<()> {
         let kept = state.and_then(|state| state.settings.as_ref());
         let difference = match (kept, state) {
@@ -211,7 +241,7 @@ impl RunFolder {
         }
         let copy = self.run_file().and_then(|copy| Meaning::of_search(&copy));
         if copy.ok().is_none_or(|copy| settings.first_difference(&copy).is_some()) {
-            warn(&format!(
+            observer.warning(&format!(
                 "{} was changed since the run was made; it is written anew",
                 self.file(RUN_FILE).display()
             ));
@@ -474,9 +504,9 @@ fn why_none(records: &[Record]) -> String {
 const LEADING: usize = 3;
 
 /// The `lock`; where it keeps nobody out the user has to.
-fn guarding(lock: FolderLock) -> FolderLock {
+fn guarding(lock: FolderLock, observer: &dyn Observer) -> FolderLock {
     if let Some(why) = lock.unguarded() {
-        warn(&format!(
+        observer.warning(&format!(
             "the file system of the run folder has no locks ({why}): see to it that no other process writes there"
         ));
     }

@@ -1,34 +1,29 @@
 //! `evolve`: the search, one generation after the other, each saved before the next begins.
 
 use std::collections::BTreeSet;
-use std::path::Path;
-use std::time::Duration;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
-use super::certify;
-use super::certify::{Certifying, Row};
+use super::certify::{self, Certifying, Row};
 use super::evaluations::{Evaluator, Generation, Known, Unfinished, serve_candidates};
 use super::meaning::Meaning;
 use super::mesh_error::MeshErrorRow;
+use super::observer::{Limits, Observer};
 use super::overload::overload;
 use super::resume::Start;
 use super::run_file::RunFile;
 use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use crate::batch::{Executor, Farm, Next, Stopped, Threads, hear_others, tell_first};
-use crate::cli::patience::{End, Patience};
-use crate::cli::terminal::narrate;
-use crate::cli::terminal::say;
-use crate::cli::terminal::warn;
 use crate::evolve::{Checkpoint, Evaluation, Individual, Nsga2, hypervolume};
 use crate::fitness::{CandidateSettings, FurtherObjective, Outcome, evaluate_network};
 use crate::genome::Genome;
 use crate::io::provenance::COMMIT;
 use crate::io::{atomic, csv};
 use crate::report::{FrontPoint, OutcomeCount};
+use crate::scene::End;
 use crate::scene::material::instability;
 use crate::scene::part::solid_part::SolidSection;
 use crate::scene::results::design_folder::write_surface;
@@ -37,45 +32,67 @@ use crate::solve::{Backend, Job, Stop};
 
 /// How a search is run.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Manner {
+pub struct Manner {
+    /// Whether to go on with the search in the folder.
     pub resume: bool,
     /// Of each process; 0 is one for each core, or one where there are several processes.
     pub threads: usize,
-    pub solver: Option<Backend>,
-    /// After which it stops, candidates that have begun too.
-    pub time_limit: Option<Duration>,
-    /// Whether a program reads the answer.
-    pub json: bool,
+    /// The processes that evaluate.
     pub job: Job,
 }
 
-/// Runs the search of the run file at `path` in the folder `out`; the processes of the job but the first only evaluate.
-pub(crate) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<End> {
-    let Manner { solver, time_limit, json, job, .. } = *manner;
-    let patience = Patience::new(time_limit)?;
-    let run = RunFile::read(path, solver)?;
+impl Default for Manner {
+    /// A new search, in this process alone, with a thread for each core.
+    fn default() -> Self {
+        Self { resume: false, threads: 0, job: Job { rank: 0, ranks: 1 } }
+    }
+}
+
+/// What has become of a search.
+#[derive(Debug)]
+pub enum Searched {
+    /// It was done to its end, and its results are in its folder.
+    Finished(Box<Found>),
+    /// Its limits ended it; what has ended is in its folder, and it can be resumed.
+    Stopped,
+    /// This process is not the first of the job, and has evaluated for that one.
+    Served,
+}
+
+/// Runs the search of `run` in the folder `out`; the processes of the job but the first only evaluate.
+///
+/// # Errors
+/// When the folder is refused, cannot be written, or was made with other settings; when a solver or a mesher fails as a program.
+pub fn search(
+    run: &RunFile,
+    out: &Path,
+    manner: &Manner,
+    limits: &dyn Limits,
+    observer: &dyn Observer,
+) -> anyhow::Result<Searched> {
+    let job = manner.job;
     ensure!(
         job.ranks == 1 || run.solver.backend == Backend::Native,
         "several processes evaluate with the solver native; PETSc would solve each candidate on all of them"
     );
-    let settings = Meaning::of_search(&run)?;
+    let settings = Meaning::of_search(run)?;
     agree(job, &settings)?;
     if !job.is_first() {
-        let is_over = || patience.is_over();
+        let is_over = || limits.is_over();
         serve_candidates(job, &run.candidate_settings()?, Stop::when(&is_over))?;
-        return Ok(End::Finished);
+        return Ok(Searched::Served);
     }
     run.solid.iter().try_for_each(SolidSection::check_programs)?;
     let material = run.material.material()?;
-    let warnings = [instability(&material), overload(&run, &material)];
-    warnings.iter().flatten().for_each(|line| warn(line));
-    let threads = Threads::new(manner.threads(&run))?;
+    let warnings = [instability(&material), overload(run, &material)];
+    warnings.iter().flatten().for_each(|line| observer.warning(line));
+    let threads = Threads::new(manner.threads(run, observer))?;
     let farm = (job.ranks > 1).then(|| Farm::new(job, &threads));
     let evaluator: &Evaluator<'_> = match &farm {
         Some(farm) => farm,
         None => &threads,
     };
-    let mut search = Search::begin(&run, out, settings, *manner, patience)?;
+    let mut search = Search::begin(run, out, settings, *manner, limits, observer)?;
     let first = search.nsga2.generation();
     while !search.is_finished() {
         match search.advance(evaluator) {
@@ -91,18 +108,13 @@ pub(crate) fn run(path: &Path, out: &Path, manner: &Manner) -> anyhow::Result<En
     if search.write_front_members(&threads)? == End::Stopped {
         return Ok(search.stopped(false));
     }
-    manner.tell(&search.folder.table(&search.nsga2, &search.records)?);
+    observer.table(&search.folder.table(&search.nsga2, &search.records)?);
     if let Some(section) = &run.solid
-        && search.certify_front(&run, section, &threads)? == End::Stopped
+        && search.certify_front(run, section, &threads)? == End::Stopped
     {
         return Ok(search.stopped(false));
     }
-    if json {
-        say(&serde_json::to_string_pretty(&search.summary()?)?);
-    }
-    manner.tell(&search.rejection_summary());
-    manner.tell(&format!("figures, front and designs are in {}", out.display()));
-    Ok(End::Finished)
+    Ok(Searched::Finished(Box::new(search.found()?)))
 }
 
 /// What the processes of a job have in common before they begin.
@@ -131,39 +143,58 @@ fn agree(job: Job, settings: &Meaning) -> anyhow::Result<()> {
 }
 
 impl Manner {
-    /// Tells the user how the search goes.
-    fn tell(&self, text: &str) {
-        if self.json { narrate(text) } else { say(text) }
-    }
-
-    fn threads(&self, run: &RunFile) -> usize {
+    fn threads(&self, run: &RunFile, observer: &dyn Observer) -> usize {
         if run.solver.backend == Backend::Petsc && self.threads != 1 {
             // PETSc solves one system at a time in a process: more threads would only wait.
-            self.tell("petsc evaluates one candidate at a time; native would use every core");
+            observer.note("petsc evaluates one candidate at a time; native would use every core");
             return 1;
         }
         if self.threads == 0 && self.job.ranks > 1 { 1 } else { self.threads }
     }
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Summary<'a> {
-    folder: &'a Path,
-    candidates: usize,
-    core_seconds: f64,
-    outcomes: Vec<OutcomeCount>,
-    hypervolume: f64,
-    front: Vec<FrontPoint>,
+/// What a search has found.
+#[derive(Debug, Serialize)]
+pub struct Found {
+    /// Where its results are.
+    pub folder: PathBuf,
+    /// How many candidates it has evaluated, those met before included.
+    pub candidates: usize,
+    /// Of CPU time, s.
+    pub core_seconds: f64,
+    /// How many candidates ended in which way: those with objectives first, then the most.
+    pub outcomes: Vec<OutcomeCount>,
+    /// Of objectives, that the front dominates.
+    pub hypervolume: f64,
+    /// The designs that no other is better than in all objectives.
+    pub front: Vec<FrontPoint>,
     /// Where the front was walked again as solids.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    solid_front: Vec<Row>,
+    pub(crate) solid_front: Vec<Row>,
+}
+
+impl Found {
+    /// A line of how many candidates were rejected why, and what all took.
+    #[must_use]
+    pub fn rejections(&self) -> String {
+        let causes: Vec<String> = self
+            .outcomes
+            .iter()
+            .filter(|count| count.rejected)
+            .map(|count| format!("{} {}", count.outcome, count.candidates))
+            .collect();
+        let causes = if causes.is_empty() { "none".to_owned() } else { causes.join(", ") };
+        format!(
+            "{} candidates in {:.1} core-seconds; rejected: {causes}",
+            self.candidates, self.core_seconds
+        )
+    }
 }
 
 /// A run between two generations.
-struct Search {
-    manner: Manner,
-    patience: Patience,
+struct Search<'a> {
+    limits: &'a dyn Limits,
+    observer: &'a dyn Observer,
     settings: CandidateSettings,
     nsga2: Nsga2,
     history: Vec<HistoryRow>,
@@ -178,20 +209,21 @@ struct Search {
     folder: RunFolder,
 }
 
-impl Search {
+impl<'a> Search<'a> {
     fn begin(
         run: &RunFile,
         out: &Path,
         meaning: Meaning,
         manner: Manner,
-        patience: Patience,
+        limits: &'a dyn Limits,
+        observer: &'a dyn Observer,
     ) -> anyhow::Result<Self> {
         let settings = run.candidate_settings()?;
         let (folder, start) = if manner.resume {
-            let folder = RunFolder::open_to_resume(out)?;
-            let start = Start::resumed(&folder, run, meaning)?;
+            let folder = RunFolder::open_to_resume(out, observer)?;
+            let start = Start::resumed(&folder, run, meaning, observer)?;
             folder.write_settings(run)?;
-            manner.tell(&format!(
+            observer.note(&format!(
                 "resumed after generation {} of {}",
                 start.nsga2.generation(),
                 run.evolution.generations
@@ -199,13 +231,13 @@ impl Search {
             (folder, start)
         } else {
             let start = Start::new(run, meaning)?;
-            (RunFolder::create(out, run)?, start)
+            (RunFolder::create(out, run, observer)?, start)
         };
         let Start { nsga2, history, records, found, expected, settings: meaning, builds } = start;
         let digest = meaning.digest();
         let search = Self {
-            manner,
-            patience,
+            limits,
+            observer,
             settings,
             nsga2,
             history,
@@ -250,7 +282,8 @@ impl Search {
             settings: &self.settings,
             digest: &self.digest,
             folder: &self.folder,
-            patience: &self.patience,
+            limits: self.limits,
+            observer: self.observer,
         };
         let records = generation.evaluate(evaluator)?;
         let further = &self.settings.fitness.further_objectives;
@@ -282,15 +315,15 @@ impl Search {
     }
 
     /// Says how far the search is; `is_idle` where no candidate has ended since it was begun or resumed.
-    fn stopped(&self, is_idle: bool) -> End {
-        self.manner.tell(&format!(
+    fn stopped(&self, is_idle: bool) -> Searched {
+        self.observer.note(&format!(
             "{} after {} of {} generations; what has ended is saved, and --resume goes on{}",
-            self.patience.why(),
+            self.limits.why(),
             self.nsga2.generation(),
             self.nsga2.settings().generations,
             if is_idle { " (no candidate has ended since: give it more time)" } else { "" }
         ));
-        End::Stopped
+        Searched::Stopped
     }
 
     fn history_row(&self, records: &[Record]) -> HistoryRow {
@@ -309,17 +342,7 @@ impl Search {
             best_blocking: best(1),
             spread: self.nsga2.spread(),
         };
-        self.manner.tell(&format!(
-            "generation {:3} of {}: {:3} of {} feasible, {:2} on the front, best F_c {:.4}, best F_bf {:.5} N/kPa, hypervolume {:.4e}",
-            row.generation + 1,
-            self.nsga2.settings().generations,
-            row.feasible,
-            row.evaluated,
-            row.front,
-            row.best_bending,
-            row.best_blocking,
-            row.hypervolume
-        ));
+        self.observer.generation(&row, self.nsga2.settings().generations);
         row
     }
 
@@ -332,18 +355,16 @@ impl Search {
             // Members of an earlier front that a resumed run has left behind.
             std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
         }
-        let bar = progress_bar(self.nsga2.generation(), self.nsga2.generation(), front.len());
-        bar.set_message("writing the front");
+        self.observer.work_begins("writing the front", 0, front.len());
         let written = executor.evaluate(
             &front,
             &|individual: &&Individual| self.write_member(individual),
             &mut |_, _| {
-                bar.inc(1);
-                // It begins anew when resumed, so that a time limit would never let it end.
-                if self.patience.is_interrupted() { Next::Stop } else { Next::Continue }
+                self.observer.item_done();
+                if self.limits.is_interrupted() { Next::Stop } else { Next::Continue }
             },
         );
-        bar.finish_and_clear();
+        self.observer.work_ends();
         let written = match written {
             Err(Stopped::ByObserver) => return Ok(End::Stopped),
             written => written?,
@@ -380,14 +401,14 @@ impl Search {
     ) -> anyhow::Result<End> {
         let front: Vec<_> = self.nsga2.front().iter().map(|individual| individual.id).collect();
         let folder = self.folder.file("solid");
-        self.manner.tell(&format!("walking the front of {} designs as solids", front.len()));
+        self.observer.note(&format!("walking the front of {} designs as solids", front.len()));
         let job = Certifying {
             settings: &self.settings,
             section,
             meaning: &Meaning::of_certificates(run, section)?,
             folder: &folder,
-            patience: &self.patience,
-            tell: &|line| self.manner.tell(line),
+            limits: self.limits,
+            observer: self.observer,
         };
         let Some(solid) = SolidFront::new(&front, &self.records, &job, executor)? else {
             return Ok(End::Stopped);
@@ -396,9 +417,9 @@ impl Search {
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
         csv::write(&folder.join("certificates.csv"), rows)?;
         self.folder.write_solid_front(front, &self.nsga2, &self.records)?;
-        self.manner.tell(&certify::table(rows));
-        self.manner.tell(&certify::summary(rows, &section.fidelity));
-        self.manner.tell(&format!(
+        self.observer.table(&certify::table(rows));
+        self.observer.note(&certify::summary(rows, &section.fidelity));
+        self.observer.note(&format!(
             "{of_front} designs of the front and {} promoted ones make a front of {} solids: front_solid.csv",
             rows.len() - of_front,
             front.len()
@@ -406,35 +427,16 @@ impl Search {
         Ok(End::Finished)
     }
 
-    /// What a program reads of a search that is over.
-    fn summary(&self) -> anyhow::Result<Summary<'_>> {
-        Ok(Summary {
-            folder: self.folder.path(),
+    fn found(&self) -> anyhow::Result<Found> {
+        Ok(Found {
+            folder: self.folder.path().to_owned(),
             candidates: self.records.len(),
-            core_seconds: self.core_seconds(),
+            core_seconds: self.records.iter().map(|record| record.cpu_seconds.total()).sum(),
             outcomes: outcome_counts(&self.records),
             hypervolume: self.history.last().map_or(0.0, |row| row.hypervolume),
             front: self.folder.front(&self.nsga2, &self.records)?,
             solid_front: self.folder.solid_front()?,
         })
-    }
-
-    fn core_seconds(&self) -> f64 {
-        self.records.iter().map(|record| record.cpu_seconds.total()).sum()
-    }
-
-    fn rejection_summary(&self) -> String {
-        let causes: Vec<String> = outcome_counts(&self.records)
-            .into_iter()
-            .filter(|count| count.rejected)
-            .map(|count| format!("{} {}", count.outcome, count.candidates))
-            .collect();
-        let causes = if causes.is_empty() { "none".to_owned() } else { causes.join(", ") };
-        format!(
-            "{} candidates in {:.1} core-seconds; rejected: {causes}",
-            self.records.len(),
-            self.core_seconds()
-        )
     }
 }
 
@@ -462,17 +464,4 @@ pub(crate) fn evaluation(
 pub(crate) fn reference(further: &[FurtherObjective]) -> Vec<f64> {
     let further = further.iter().map(|objective| objective.minimized(objective.worst));
     [0.0, 0.0].into_iter().chain(further).collect()
-}
-
-pub(crate) fn progress_bar(
-    generation: usize,
-    generations: usize,
-    candidates: usize,
-) -> ProgressBar {
-    let style =
-        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} [{elapsed}, {eta} left]");
-    let bar = ProgressBar::new(candidates as u64);
-    bar.set_style(style.expect("the template is valid"));
-    bar.set_message(format!("generation {} of {generations}", generation + 1));
-    bar
 }

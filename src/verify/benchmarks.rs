@@ -15,15 +15,15 @@ use serde::Serialize;
 
 use super::cases::{Case, case};
 use super::deviations::{Compared, deviations, missed};
-use super::files::BuiltIn;
-use super::files::SceneFolder;
-use crate::cli::terminal::say;
+use super::files::{BuiltIn, SceneFolder};
+use super::observer::Observer;
 use crate::io::{OutputFolder, atomic, csv};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
 use crate::report::{
     ErrorCurve, ErrorPoint, JudgedError, OverviewRow, error_svg, overview_svg, png,
 };
+use crate::scene::Unobserved;
 use crate::scene::checks::check_solver;
 use crate::scene::shape::{Measured, Shape};
 use crate::scene::verify_section::{Accepted, MeshSize};
@@ -68,21 +68,25 @@ struct Row {
     ending: &'static str,
 }
 
-/// Runs the selected cases, prints their table and writes their files into the new folder `out`.
+/// Runs the selected cases, tells the lines of their table and writes their files into the new folder `out`.
 ///
 /// # Errors
 /// When a case misses what is accepted of it.
-pub(crate) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
+pub(crate) fn run(
+    selection: &Selection,
+    out: Option<&Path>,
+    observer: &dyn Observer,
+) -> anyhow::Result<()> {
     check_solver(selection.solver)?;
     out.map(OutputFolder::check_new).transpose()?;
     let chosen = selection.folder.chosen(&selection.cases);
     let read = |name| case(selection.folder, name);
     let cases = chosen.into_iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let folder = out.map(OutputFolder::create_new).transpose()?;
-    say(&heading());
+    observer.line(&heading());
     let mut rows = Vec::new();
     for case in &cases {
-        let curves = run_case(case, selection, &mut rows)?;
+        let curves = run_case(case, selection, &mut rows, observer)?;
         if let Some(folder) = &folder {
             // After every case, so that an interrupted run leaves what it has found.
             csv::write(&folder.file("errors.csv"), &rows)?;
@@ -100,8 +104,8 @@ pub(crate) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<(
         runs
     };
     let (near, known, far) = (judged(OK), judged(KNOWN_MISS), judged(TOO_FAR));
-    say_misses(&cases, &known);
-    say(&format!(
+    misses(&cases, &known).iter().for_each(|line| observer.line(line));
+    observer.line(&format!(
         "{} within what is accepted, {} known to miss it, {} too far",
         near.len(),
         known.len(),
@@ -111,28 +115,30 @@ pub(crate) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<(
     Ok(())
 }
 
-/// Prints why each of the `known` runs misses its reference.
-fn say_misses(cases: &[Case], known: &[String]) {
-    for case in cases {
-        for accept in &case.verify.accept {
+/// Why each of the `known` runs misses its reference.
+fn misses(cases: &[Case], known: &[String]) -> Vec<String> {
+    let of_case = |case: &Case| {
+        let told = |accept: &Accepted| {
             let run = run_name(case.name, element_name(accept.element));
-            if let Some(miss) = accept.miss.as_ref().filter(|_| known.contains(&run)) {
-                say(&format!("{run}: {}", miss.why));
-            }
-        }
-    }
+            let miss = accept.miss.as_ref().filter(|_| known.contains(&run))?;
+            Some(format!("{run}: {}", miss.why))
+        };
+        case.verify.accept.iter().filter_map(told).collect::<Vec<_>>()
+    };
+    cases.iter().flat_map(of_case).collect()
 }
 
 fn run_name(case: &str, element: &str) -> String {
     format!("{case} with {element}")
 }
 
-/// Prints the name of every case, and what it is.
-pub(crate) fn list(folder: &SceneFolder) -> anyhow::Result<()> {
-    for name in folder.names() {
-        say(&format!("{name:<31} {}", case(folder, name)?.title));
-    }
-    Ok(())
+/// The name of every case and what it is, a line each.
+///
+/// # Errors
+/// When a file is no case.
+pub(crate) fn list(folder: &SceneFolder) -> anyhow::Result<Vec<String>> {
+    let line = |name| Ok(format!("{name:<31} {}", case(folder, name)?.title));
+    folder.names().map(line).collect()
 }
 
 fn write_figure(folder: &OutputFolder, name: &str, svg: &str) -> anyhow::Result<()> {
@@ -162,6 +168,7 @@ fn run_case(
     case: &Case,
     selection: &Selection,
     rows: &mut Vec<Row>,
+    observer: &dyn Observer,
 ) -> anyhow::Result<Vec<ErrorCurve>> {
     let wanted = |element| selection.element.is_none_or(|only| only == element);
     let mut curves = Vec::new();
@@ -172,7 +179,7 @@ fn run_case(
             if selection.quick && !counts {
                 continue;
             }
-            let measured = measure(case, accept.element, mesh, selection.solver);
+            let measured = measure(case, accept.element, mesh, selection.solver, observer);
             let (measured, mut deviations) = match measured {
                 Ok(measured) => {
                     let deviations = deviations(&case.scene, &case.verify, &measured);
@@ -208,7 +215,7 @@ fn run_case(
                 verdict,
                 ending: measured.as_ref().map_or("failed", |m| m.walked.ending.name()),
             };
-            say(&line(&common(worst), worst.remark.as_deref()));
+            observer.line(&line(&common(worst), worst.remark.as_deref()));
             rows.extend(deviations.iter().map(common));
             runs.push(run);
         }
@@ -227,13 +234,14 @@ fn measure(
     element: ShellElement,
     mesh: MeshSize,
     solver: Backend,
+    observer: &dyn Observer,
 ) -> anyhow::Result<Measured> {
     let mut scene = case.scene.with_mesh(mesh)?;
     scene.wall.element = Some(element);
     let start = cpu_seconds();
     let source = scene.part.source(Path::new("verify/shells/case.toml"), &BuiltIn)?;
-    let mut shape = Shape::new(&scene, &source)?;
-    let measured = shape.measure(&scene, solver, start, Stop::NEVER, true)?;
+    let mut shape = Shape::new(&scene, &source, observer)?;
+    let measured = shape.measure(&scene, solver, start, Stop::NEVER, &Unobserved)?;
     if measured.walked.points.is_empty() {
         bail!("not stable at rest: {}", measured.walked.ending.name().replace('_', " "));
     }

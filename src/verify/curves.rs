@@ -8,6 +8,7 @@ use super::cases::{CURVES, Case, SHELLS, case};
 use super::files::BuiltIn;
 use crate::mesh::ShellElement;
 use crate::model::system::System;
+use crate::scene::Unobserved;
 use crate::scene::part::patch_part::PatchSection;
 use crate::scene::scene_file::SceneFile;
 use crate::scene::shape::Shape;
@@ -24,7 +25,7 @@ fn cases() -> Vec<Case> {
 
 fn shape(scene: &SceneFile) -> Shape {
     let source = scene.part.source(Path::new(""), &BuiltIn).unwrap();
-    Shape::new(scene, &source).unwrap()
+    Shape::new(scene, &source, &Unobserved).unwrap()
 }
 
 /// `(load, value)` of a reference.
@@ -62,8 +63,9 @@ fn buckling_loads_are_those_of_the_closed_forms() {
         for accept in &verify.accept {
             let mut scene = scene.with_mesh(accept.mesh).unwrap();
             scene.wall.element = Some(accept.element);
-            let measured =
-                shape(&scene).measure(&scene, Backend::Native, 0.0, Stop::NEVER, true).unwrap();
+            let measured = shape(&scene)
+                .measure(&scene, Backend::Native, 0.0, Stop::NEVER, &Unobserved)
+                .unwrap();
             let error = 100.0 * (measured.limit_load.unwrap() / verify.limit_load.unwrap() - 1.0);
             let accepted = accept.miss.as_ref().map_or(accept.error, |miss| miss.up_to);
             assert!(error.abs() < accepted, "{name} {:?}: {error} %", accept.element);

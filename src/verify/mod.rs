@@ -6,5 +6,8 @@ pub(crate) mod cases;
 mod curves;
 mod deviations;
 pub(crate) mod files;
+mod observer;
 pub(crate) mod stability;
 mod stability_case;
+
+pub use self::observer::Observer;

@@ -15,9 +15,9 @@ use serde::Serialize;
 
 use super::deviations::deviations;
 use super::files::BuiltIn;
+use super::observer::Observer;
 use super::stability_case::{FOLDER, REFUSED, REJECTED, StabilityCase, Variant, case};
 use crate::batch::{Executor, Next, Serial};
-use crate::cli::terminal::say;
 use crate::io::{OutputFolder, csv};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
@@ -26,6 +26,7 @@ use crate::scene::scene_file::SceneFile;
 use crate::scene::shape::{Measured, Shape};
 use crate::scene::verify_section::SameAs;
 use crate::scene::watch_curve::WatchCurve;
+use crate::scene::{self, Unobserved};
 use crate::solve::{Backend, Programme, Stop, Supply};
 
 /// What to run.
@@ -82,11 +83,15 @@ struct Ran {
     wall_seconds: f64,
 }
 
-/// Runs the selected cases, prints their table and writes it into the new folder `out`.
+/// Runs the selected cases, tells the lines of their table and writes it into the new folder `out`.
 ///
 /// # Errors
 /// When a run fails.
-pub(crate) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<()> {
+pub(crate) fn run(
+    selection: &Selection,
+    out: Option<&Path>,
+    observer: &dyn Observer,
+) -> anyhow::Result<()> {
     let solvers = match selection.solver {
         Some(solver) => vec![solver],
         None => [Backend::Native, Backend::Petsc].into_iter().filter(|s| s.is_built_in()).collect(),
@@ -96,12 +101,12 @@ pub(crate) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<(
     let chosen = FOLDER.chosen(&selection.cases);
     let cases = chosen.into_iter().map(case).collect::<anyhow::Result<Vec<_>>>()?;
     let folder = out.map(OutputFolder::create_new).transpose()?;
-    say(&heading());
+    observer.line(&heading());
     let is_short = |case: &StabilityCase| case.verify.seconds.is_none_or(|s| s <= QUICK);
     let (mut rows, mut done) = (Vec::new(), Vec::new());
     for case in cases.iter().filter(|case| !selection.quick || is_short(case)) {
         for variant in case.variants() {
-            run_variant(case, variant, &solvers, &mut rows, &mut done)?;
+            run_variant(case, variant, &solvers, (&mut rows, &mut done), observer)?;
             if let Some(folder) = &folder {
                 // After every run, so that an interrupted one leaves what it has found.
                 csv::write(&folder.file("stability.csv"), &rows)?;
@@ -111,41 +116,41 @@ pub(crate) fn run(selection: &Selection, out: Option<&Path>) -> anyhow::Result<(
     let mut failed: Vec<&str> =
         rows.iter().filter(|row| row.verdict == FAILED).map(|row| row.case).collect();
     let bad = failed.len();
-    say(&format!("{} of {} runs as expected", rows.len() - bad, rows.len()));
+    observer.line(&format!("{} of {} runs as expected", rows.len() - bad, rows.len()));
     failed.dedup();
     ensure!(failed.is_empty(), "{bad} runs failed: {}", failed.join(", "));
     Ok(())
 }
 
-/// Prints the name of every case, and what it is.
-pub(crate) fn list() -> anyhow::Result<()> {
-    for name in FOLDER.names() {
-        say(&format!("{name:<31} {}", case(name)?.title));
-    }
-    Ok(())
+/// The name of every case and what it is, a line each.
+///
+/// # Errors
+/// When a file is no case.
+pub(crate) fn list() -> anyhow::Result<Vec<String>> {
+    FOLDER.names().map(|name| Ok(format!("{name:<31} {}", case(name)?.title))).collect()
 }
 
 /// What came of a case on a solver.
 type Done = (&'static str, Backend, Rc<Ran>);
 
-/// Runs one variant of a case on every solver, prints and adds its rows.
+/// Runs one variant of a case on every solver, tells and adds its rows.
 fn run_variant(
     case: &StabilityCase,
     variant: Variant,
     solvers: &[Backend],
-    rows: &mut Vec<Row>,
-    done: &mut Vec<Done>,
+    (rows, done): (&mut Vec<Row>, &mut Vec<Done>),
+    observer: &dyn Observer,
 ) -> anyhow::Result<()> {
     let first = rows.len();
     let mut model: Option<Rc<Ran>> = None;
     for &solver in solvers {
-        let ran = guarded(&|| ran(case, variant, solver));
+        let ran = guarded(&|| ran(case, variant, solver, observer));
         let mut row = judged(case, variant, solver, &ran);
         if let Some(model) = &model {
             compare_solvers(case, model, &ran, &mut row);
         }
         compare_units(case, done, solver, &ran, &mut row);
-        say(&line(&row));
+        observer.line(&line(&row));
         rows.push(row);
         let ran = Rc::new(ran);
         done.push((case.name, solver, Rc::clone(&ran)));
@@ -171,7 +176,12 @@ fn guarded(run: &(dyn Fn() -> Ran + Sync)) -> Ran {
     Ran { wall_seconds: start.elapsed().as_secs_f64(), ..ran }
 }
 
-fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
+fn ran(
+    case: &StabilityCase,
+    variant: Variant,
+    solver: Backend,
+    observer: &dyn scene::Observer,
+) -> Ran {
     let without_path = |ending: &str, message: String| Ran {
         ending: ending.to_owned(),
         message: Some(message),
@@ -187,7 +197,7 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
     let made = scene.and_then(|mut scene| {
         scene.wall.element = Some(variant.element);
         let source = scene.part.source(Path::new(&case.file), &BuiltIn)?;
-        let shape = Shape::new(&scene, &source)?;
+        let shape = Shape::new(&scene, &source, observer)?;
         drop(source);
         Ok((scene, shape))
     });
@@ -195,7 +205,7 @@ fn ran(case: &StabilityCase, variant: Variant, solver: Backend) -> Ran {
         Ok(made) => made,
         Err(error) => return without_path(REJECTED, format!("{error:#}")),
     };
-    match shape.measure(&scene, solver, start, Stop::NEVER, true) {
+    match shape.measure(&scene, solver, start, Stop::NEVER, &Unobserved) {
         Ok(mut measured) => Ran {
             ending: measured.walked.ending.name().to_owned(),
             message: None,

@@ -14,7 +14,6 @@ use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
 use super::{CASE, DISPLACEMENT, NodeRow, PATH, TipRow};
-use crate::cli::terminal::say;
 use crate::io::{InputError, calculix, csv, input};
 use crate::math::Vec3;
 
@@ -30,7 +29,7 @@ struct Case {
 
 /// Both answers of one case.
 #[derive(Debug, Serialize)]
-struct Comparison {
+pub(crate) struct Comparison {
     design: String,
     samples: Vec<Sample>,
     /// The largest difference of a sample, as a share; none where none could be compared.
@@ -41,6 +40,9 @@ struct Comparison {
     expected_locking: Option<[f64; 2]>,
     /// None where there is no `solid.frd`, or it ends before the largest pressure.
     nodes: Option<NodalDifference>,
+    /// The largest, MPa.
+    #[serde(skip)]
+    pressure: f64,
 }
 
 /// Both tips at one pressure.
@@ -67,60 +69,77 @@ struct NodalDifference {
     share: Option<f64>,
 }
 
+/// Where CalculiX writes the tip.
+const ANSWER: &str = "solid.dat";
+
 /// How near a time or pressure must be to the one that was asked for: a table has seven digits.
 const SAME: f64 = 1e-5;
 
-/// Compares the answers in the folder `path` of a deck.
-pub(crate) fn run(path: &Path, json: bool) -> anyhow::Result<()> {
-    let file = |name: &str| path.join(name);
-    ensure!(
-        file(CASE).is_file(),
-        "{} is not the folder of a deck: it has no {CASE}; `pneumorph deck` makes one",
-        path.display()
-    );
-    let case: Case = serde_json::from_str(&text(&file(CASE))?)
-        .with_context(|| file(CASE).display().to_string())?;
-    let rows: Vec<TipRow> = csv::parse(&text(&file(PATH))?, &file(PATH))?;
-    let answer = file("solid.dat");
-    ensure!(
-        answer.is_file(),
-        "{} is not there: CalculiX writes it, by `ccx solid` in {}",
-        answer.display(),
-        path.display()
-    );
-    let tips = calculix::read_tip(&answer)?;
-    let samples: Vec<Sample> =
-        rows.iter().filter(|row| row.step > 0).map(|row| sample(row, &tips, &case)).collect();
-    let is_complete = samples.last().is_some_and(|last| last.tip_calculix.is_some());
-    let differences = || samples.iter().filter_map(|sample| sample.difference);
-    let comparison = Comparison {
-        design: case.design,
-        largest_difference: differences().reduce(f64::max),
-        poisson_ratio: case.poisson_ratio,
-        expected_locking: case.poisson_ratio.map(calculix::locking),
-        nodes: if is_complete { nodal_difference(path)? } else { None },
-        samples,
-    };
-    let answered = comparison.samples.iter().filter(|sample| sample.tip_calculix.is_some());
-    let reached = answered.map(|sample| sample.pressure).next_back();
-    if json || reached.is_some() {
-        say(&if json { serde_json::to_string_pretty(&comparison)? } else { comparison.in_words() });
+impl Comparison {
+    /// Both answers in the folder `path` of a deck.
+    ///
+    /// # Errors
+    /// When the folder is none of a deck, or CalculiX has not run in it.
+    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
+        let file = |name: &str| path.join(name);
+        ensure!(
+            file(CASE).is_file(),
+            "{} is not the folder of a deck: it has no {CASE}; `pneumorph deck` makes one",
+            path.display()
+        );
+        let case: Case = serde_json::from_str(&text(&file(CASE))?)
+            .with_context(|| file(CASE).display().to_string())?;
+        let rows: Vec<TipRow> = csv::parse(&text(&file(PATH))?, &file(PATH))?;
+        let answer = file(ANSWER);
+        ensure!(
+            answer.is_file(),
+            "{} is not there: CalculiX writes it, by `ccx solid` in {}",
+            answer.display(),
+            path.display()
+        );
+        let tips = calculix::read_tip(&answer)?;
+        let samples: Vec<Sample> =
+            rows.iter().filter(|row| row.step > 0).map(|row| sample(row, &tips, &case)).collect();
+        let is_complete = samples.last().is_some_and(|last| last.tip_calculix.is_some());
+        let differences = || samples.iter().filter_map(|sample| sample.difference);
+        Ok(Self {
+            design: case.design,
+            largest_difference: differences().reduce(f64::max),
+            poisson_ratio: case.poisson_ratio,
+            expected_locking: case.poisson_ratio.map(calculix::locking),
+            nodes: if is_complete { nodal_difference(path)? } else { None },
+            samples,
+            pressure: case.pressure,
+        })
     }
-    let reached = reached.unwrap_or(0.0);
-    ensure!(
-        is_complete,
-        "{} ends at {reached:.4} of {:.4} MPa: {}",
-        answer.display(),
-        case.pressure,
-        why_it_ends(&file("solid.frd"))?
-    );
-    let missing = comparison.samples.iter().filter(|sample| sample.difference.is_none()).count();
-    ensure!(
-        missing == 0,
-        "{missing} of {} samples cannot be compared: a tip that does not move, or one that is no number",
-        comparison.samples.len()
-    );
-    Ok(())
+
+    /// The largest pressure that CalculiX answered, MPa.
+    pub(crate) fn reached(&self) -> Option<f64> {
+        let answered = self.samples.iter().filter(|sample| sample.tip_calculix.is_some());
+        answered.map(|sample| sample.pressure).next_back()
+    }
+
+    /// Refuses answers in the folder `path` that end early, or that cannot be compared.
+    ///
+    /// # Errors
+    /// One sentence that says where and why.
+    pub(crate) fn check(&self, path: &Path) -> anyhow::Result<()> {
+        ensure!(
+            self.samples.last().is_some_and(|last| last.tip_calculix.is_some()),
+            "{} ends at {:.4} of {:.4} MPa: {}",
+            path.join(ANSWER).display(),
+            self.reached().unwrap_or(0.0),
+            self.pressure,
+            why_it_ends(&path.join("solid.frd"))?
+        );
+        let missing = self.samples.iter().filter(|sample| sample.difference.is_none()).count();
+        ensure!(
+            missing == 0,
+            "{missing} of {} samples cannot be compared: a tip that does not move, or one that is no number",
+            self.samples.len()
+        );
+        Ok(())
+    }
 }
 
 /// A program that ends by itself closes its results, also where it found no equilibrium.
@@ -181,7 +200,8 @@ fn text(path: &Path) -> Result<String, InputError> {
 }
 
 impl Comparison {
-    fn in_words(&self) -> String {
+    /// A table of the samples and what is to be said of it, for a person.
+    pub(crate) fn in_words(&self) -> String {
         let place = |tip: [f64; 3]| match tip {
             [x, y, z] if tip.iter().all(|x| x.is_finite()) => {
                 format!("({x:+8.3}, {y:+8.3}, {z:+8.3})")

@@ -18,11 +18,17 @@ use std::path::Path;
 use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use crate::cli::terminal::say;
-use crate::cli::terminal::warn;
-use crate::evolve::IndividualId;
-use crate::fitness::{LoadSettings, shell_of_network};
-use crate::genome::Genome;
+use super::material::within;
+use super::observer::Observer;
+use super::part::closed_part::shell;
+use super::part::on_disk::OnDisk;
+use super::part::solid_part::{SolidPart, SolidReport, SolidSection};
+use super::part::{PartSource, own_surface};
+use super::results::design_folder::write_json;
+use super::results::walk_summary::WalkSummary;
+use super::scene_file::SceneFile;
+use super::shape::NO_CHAMBER;
+use crate::fitness::LoadSettings;
 use crate::io::provenance::Provenance;
 use crate::io::{
     ChamberFound, OutputFolder, OwnSolid, SolidCase, atomic, calculix, csv, febio, msh,
@@ -32,20 +38,9 @@ use crate::mesh::{Ends, ShellMesh, ShellSettings, SolidMesh};
 use crate::model::material::{Compressible, Material, Rubber};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
-use crate::scene::material::within;
-use crate::scene::part::PartSource;
-use crate::scene::part::closed_part::shell;
-use crate::scene::part::own_surface;
-use crate::scene::part::solid_part::{SolidPart, SolidReport, SolidSection};
-use crate::scene::results::design_folder::write_json;
-use crate::scene::results::walk_summary::WalkSummary;
-use crate::scene::scene_file::SceneFile;
-use crate::scene::shape::NO_CHAMBER;
-use crate::scene::simulate::OnDisk;
 use crate::solve::{Backend, LinearMethod, PathPoint, follow};
-use crate::study::run_folder::RunFolder;
 
-/// What the command line may say instead of the run or scene file.
+/// What may be chosen instead of what the run or scene file says.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Choices {
     /// Of an incompressible rubber, which other programs do not know.
@@ -134,84 +129,61 @@ pub(crate) struct NodeRow {
 const MOST_SAMPLES: usize = 1000;
 
 /// What is written and walked.
-struct Subject {
-    design: String,
-    mesh: SolidMesh,
+pub(crate) struct Subject {
+    pub design: String,
+    pub mesh: SolidMesh,
     /// Of tetrahedra of one's own.
-    chamber: Option<ChamberFound>,
-    report: Option<SolidReport>,
-    wall: ShellSettings,
-    ends: Ends,
-    material: Compressible,
-    was_incompressible: bool,
-    load: LoadSettings,
-    backend: Backend,
-    linear: LinearMethod,
+    pub chamber: Option<ChamberFound>,
+    pub report: Option<SolidReport>,
+    pub wall: ShellSettings,
+    pub ends: Ends,
+    pub material: Compressible,
+    pub was_incompressible: bool,
+    pub load: LoadSettings,
+    pub backend: Backend,
+    pub linear: LinearMethod,
 }
 
-/// Writes the decks of the scene file `source`, or of the individual `id` of the run folder `source`, into the new folder `out`.
-pub(crate) fn run(
-    source: &Path,
-    id: Option<&str>,
-    out: &Path,
+impl Choices {
+    /// Refuses values that no deck can have.
+    ///
+    /// # Errors
+    /// One sentence that names the value.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        if let Some(edge) = self.edge {
+            within("--edge", edge, 1e-3, 1e3)?;
+        }
+        if let Some(pressure) = self.pressure {
+            within("--pressure", pressure.abs(), 1e-9, 1e6)?;
+        }
+        let samples = self.samples.unwrap_or(1);
+        ensure!(
+            (1..=MOST_SAMPLES).contains(&samples),
+            "--samples is {samples}, but it must lie between 1 and {MOST_SAMPLES}"
+        );
+        Ok(())
+    }
+
+    /// What the choices make of a solid of a run or scene file, whose mesher must be there.
+    ///
+    /// # Errors
+    /// When no mesher is installed.
+    pub(crate) fn section(&self, section: SolidSection) -> anyhow::Result<SolidSection> {
+        let section = SolidSection { edge: self.edge.unwrap_or(section.edge), ..section };
+        section.check_programs()?;
+        Ok(section)
+    }
+}
+
+/// What the decks of the scene file at `path` are of.
+///
+/// # Errors
+/// When the file is refused, asks for what decks do not have, or its part cannot be made.
+pub(crate) fn of_scene(
+    path: &Path,
     choices: &Choices,
-) -> anyhow::Result<()> {
-    OutputFolder::check_new(out)?;
-    if let Some(edge) = choices.edge {
-        within("--edge", edge, 1e-3, 1e3)?;
-    }
-    if let Some(pressure) = choices.pressure {
-        within("--pressure", pressure.abs(), 1e-9, 1e6)?;
-    }
-    let samples = choices.samples.unwrap_or(1);
-    ensure!(
-        (1..=MOST_SAMPLES).contains(&samples),
-        "--samples is {samples}, but it must lie between 1 and {MOST_SAMPLES}"
-    );
-    let named = || source.display().to_string();
-    let mut subject = match id {
-        Some(id) => of_run(source, id, choices)?,
-        None => of_scene(source, choices).with_context(named)?,
-    };
-    let LoadSettings { pressure, path, .. } = &mut subject.load;
-    *pressure = choices.pressure.unwrap_or(*pressure);
-    path.steps = choices.samples.unwrap_or(path.steps);
-    subject.write(out).with_context(named)
-}
-
-fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Result<Subject> {
-    let folder = RunFolder::open(folder)?;
-    let mut run = folder.run_file()?;
-    run.solver.backend = choices.solver.unwrap_or(run.solver.backend);
-    let id: IndividualId = id.parse()?;
-    let logged = folder.logged()?;
-    let record = logged.all().find(|record| record.id == id).with_context(|| {
-        format!("{} has no individual {id}; front.csv lists its best", folder.path().display())
-    })?;
-    let mut settings = run.candidate_settings()?;
-    let was_incompressible = settings.material.poisson_ratio() == 0.5;
-    let material = compressible(&settings.material, choices.poisson_ratio)?;
-    settings.material = Material::Compressible(material.clone());
-    let network = Genome::try_from(record.genome.clone())?.decode();
-    let shell = shell_of_network(&network, &settings).map_err(|rejected| anyhow!("{rejected}"))?;
-    let section = with_edge(run.solid.unwrap_or_default(), choices)?;
-    let (mesh, report) = solid(&shell, &settings.material, &section)?;
-    Ok(Subject {
-        design: id.to_string(),
-        mesh,
-        chamber: None,
-        report: Some(report),
-        wall: settings.wall,
-        ends: Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &settings.wall),
-        material,
-        was_incompressible,
-        load: settings.load,
-        backend: settings.backend,
-        linear: LinearMethod::Automatic,
-    })
-}
-
-fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
+    observer: &dyn Observer,
+) -> anyhow::Result<Subject> {
     ensure!(!path.is_dir(), "a run folder wants the name of an individual behind it, as g003-017");
     let scene = SceneFile::read(path, choices.solver)?;
     let refused = [
@@ -233,24 +205,29 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
     let material = compressible(&given, choices.poisson_ratio)?;
     let mut chamber = None;
     let source = scene.part.source(path, &OnDisk)?;
-    source.check_size(&scene.part, scene.wall.thickness)?.iter().for_each(|line| warn(line));
+    source
+        .check_size(&scene.part, scene.wall.thickness)?
+        .iter()
+        .for_each(|line| observer.warning(line));
     let (mesh, report, ends) = match source {
         PartSource::Tetrahedra { file, solid, .. } => {
             let OwnSolid { mesh, chamber: found, warnings } = solid;
             ensure!(!mesh.chamber.is_empty(), "{}: {NO_CHAMBER}", file.display());
-            warnings.iter().for_each(|warning| warn(&format!("{}: {warning}", file.display())));
+            warnings.iter().for_each(|warning| {
+                observer.warning(&format!("{}: {warning}", file.display()));
+            });
             chamber = Some(found);
             let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
             (mesh, None, ends)
         }
         source if source.is_actuator() => {
-            let shell = shell(&scene, &source)?;
-            let section = with_edge(scene.solid.unwrap_or_default(), choices)?;
+            let shell = shell(&scene, &source, observer)?;
+            let section = choices.section(scene.solid.unwrap_or_default())?;
             let law = Material::Compressible(material.clone());
             let model = PartModel::new(&shell, &law, &Support::Clamp, &[])
                 .map_err(|rejected| anyhow!("{rejected}"))?;
             let judgement = own_surface::judged(&scene, &source, &shell, &model)?;
-            judgement.iter().for_each(|line| warn(line));
+            judgement.iter().for_each(|line| observer.warning(line));
             let (mesh, report) = solid(&shell, &law, &section)?;
             let ends = Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &scene.wall);
             (mesh, Some(report), ends)
@@ -276,14 +253,11 @@ fn of_scene(path: &Path, choices: &Choices) -> anyhow::Result<Subject> {
     })
 }
 
-fn with_edge(section: SolidSection, choices: &Choices) -> anyhow::Result<SolidSection> {
-    let section = SolidSection { edge: choices.edge.unwrap_or(section.edge), ..section };
-    section.check_programs()?;
-    Ok(section)
-}
-
 /// The tetrahedra of the wall around the middle of a `shell`.
-fn solid(
+///
+/// # Errors
+/// When the wall cannot be filled, or no mesher runs.
+pub(crate) fn solid(
     shell: &ShellMesh,
     material: &Material,
     section: &SolidSection,
@@ -301,7 +275,13 @@ const POISSON_RATIO: f64 = 0.49;
 const LARGEST_POISSON_RATIO: f64 = 0.4999;
 
 /// `material` with a bulk modulus `2 mu (1 + nu) / (3 (1 - 2 nu))`, where it is incompressible.
-fn compressible(material: &Material, poisson_ratio: Option<f64>) -> anyhow::Result<Compressible> {
+///
+/// # Errors
+/// When the `material` is one of shells alone, or has a Poisson's ratio of its own and another is given.
+pub(crate) fn compressible(
+    material: &Material,
+    poisson_ratio: Option<f64>,
+) -> anyhow::Result<Compressible> {
     let law = match material.clone() {
         Material::NeoHookean(law) => Rubber::NeoHookean(law),
         Material::MooneyRivlin(law) => Rubber::MooneyRivlin(law),
@@ -324,7 +304,14 @@ fn compressible(material: &Material, poisson_ratio: Option<f64>) -> anyhow::Resu
 }
 
 impl Subject {
-    fn write(self, out: &Path) -> anyhow::Result<()> {
+    /// Walks the solid and writes decks and answer into the new folder `out`; returns what a person is told, some lines.
+    ///
+    /// # Errors
+    /// When its clamp holds too little or the tip, the path ends early, or a file cannot be written.
+    pub(crate) fn write(mut self, choices: &Choices, out: &Path) -> anyhow::Result<String> {
+        let LoadSettings { pressure, path, .. } = &mut self.load;
+        *pressure = choices.pressure.unwrap_or(*pressure);
+        path.steps = choices.samples.unwrap_or(path.steps);
         let Self { design, mesh, wall, material, load, .. } = &self;
         let clamp = mesh.nodes_below(self.ends.clamp_top);
         let tip = tip_nodes(mesh, &self.ends);
@@ -408,8 +395,7 @@ impl Subject {
             provenance: Provenance::of_this_process(),
         };
         write_json(&folder.file(CASE), &case)?;
-        say(&words);
-        Ok(())
+        Ok(words)
     }
 
     fn in_words(

@@ -8,14 +8,19 @@ use crate::field::{CappedField, CompiledNetwork, ScalarField};
 use crate::math::{Rejected, Vec3};
 use crate::mesh::{ShellMesh, ShellSettings, shell_of_field};
 use crate::model::Support;
+use crate::scene::observer::Observer;
 use crate::scene::scene_file::SceneFile;
 use crate::surface::{RemeshSettings, TriangleMesh, intersecting_pairs, isosurface, remesh};
 
-/// The shell of a closed part.
+/// The shell of a closed part; the observer is warned of edges that its triangles cannot keep.
 ///
 /// # Errors
 /// When its surface cannot be made, or is not one of a shell; or the part is a patch.
-pub(crate) fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Result<ShellMesh> {
+pub(crate) fn shell(
+    scene: &SceneFile,
+    source: &PartSource<'_>,
+    observer: &dyn Observer,
+) -> anyhow::Result<ShellMesh> {
     match source {
         PartSource::Network { file, network } => {
             let field = CappedField::new(
@@ -44,7 +49,7 @@ pub(crate) fn shell(scene: &SceneFile, source: &PartSource<'_>) -> anyhow::Resul
                 crossings == 0,
                 "{name}: {crossings} pairs of triangles pass through each other"
             );
-            own_surface::shell(&name.to_string(), surface, scene)
+            own_surface::shell(&name.to_string(), surface, scene, observer)
                 .map_err(|rejected| anyhow!("{name}: {rejected}"))
         }
         PartSource::Sphere(sphere) => {
@@ -66,15 +71,7 @@ pub(crate) fn support(source: &PartSource<'_>, mesh: &ShellMesh) -> Support {
     let (PartSource::Sphere(_) | PartSource::Ellipsoid(_)) = source else {
         return Support::Clamp;
     };
-    let farthest = |axis: usize, sign: f64| {
-        let height = |v: &u32| sign * mesh.surface.positions[*v as usize][axis];
-        let vertices = 0..mesh.surface.positions.len() as u32;
-        vertices.max_by(|a, b| height(a).total_cmp(&height(b))).expect("a mesh has vertices")
-    };
-    // 3 unknowns at the top, 2 at the bottom, 1 beside.
-    let (top, bottom, side) = (farthest(2, 1.0), farthest(2, -1.0), farthest(0, 1.0));
-    let pins = [3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
-    Support::Unknowns(pins.to_vec())
+    Support::of_free_body(&mesh.surface)
 }
 
 /// A mesh wants a clamp, though free bodies do not use it.

@@ -2,6 +2,7 @@
 
 pub(crate) mod closed_part;
 pub(crate) mod formula;
+pub(crate) mod on_disk;
 pub(crate) mod own_surface;
 pub(crate) mod patch_part;
 pub(crate) mod placement;

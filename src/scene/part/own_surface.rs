@@ -11,7 +11,6 @@ use std::collections::BTreeSet;
 use anyhow::{anyhow, ensure};
 
 use super::PartSource;
-use crate::cli::terminal::warn;
 use crate::math::{Rejected, Vec3};
 use crate::mesh::{
     SHARP_TURN, ShellElement, ShellMesh, ShellSettings, edge_for, surface_of_triangles,
@@ -19,6 +18,7 @@ use crate::mesh::{
 use crate::model::PartModel;
 use crate::model::element::volume_matched;
 use crate::scene::mesh_section::Edge;
+use crate::scene::observer::Observer;
 use crate::scene::scene_file::SceneFile;
 use crate::surface::{SurfaceQuality, TriangleMesh, sharp_edges};
 
@@ -31,12 +31,13 @@ pub(crate) fn shell(
     name: &str,
     given: &TriangleMesh,
     scene: &SceneFile,
+    observer: &dyn Observer,
 ) -> Result<ShellMesh, Rejected> {
     let thickness = scene.wall.thickness;
     let (mut surface, sharp_edges) = match scene.mesh.edge {
         Some(Edge::AsGiven) => (given.clone(), sharp_edges(given, SHARP_TURN)?),
-        Some(Edge::Length(edge)) => remeshed(name, given, edge)?,
-        None => remeshed(name, given, edge_for(given, thickness))?,
+        Some(Edge::Length(edge)) => remeshed(name, given, edge, observer)?,
+        None => remeshed(name, given, edge_for(given, thickness), observer)?,
     };
     let is_new = scene.mesh.edge != Some(Edge::AsGiven);
     let by_shape = if is_new && scene.solid.is_none() && !sharp_edges.is_empty() {
@@ -57,10 +58,11 @@ fn remeshed(
     name: &str,
     given: &TriangleMesh,
     edge: f64,
+    observer: &dyn Observer,
 ) -> Result<(TriangleMesh, BTreeSet<[u32; 2]>), Rejected> {
     let remeshed = surface_of_triangles(given, edge)?;
     if remeshed.sharp > 90.0 {
-        warn(&format!(
+        observer.warning(&format!(
             "{name}: triangles with edges of {edge:.2} mm cannot keep its sharp edges, which are rounded by about that; a shorter [mesh] edge may"
         ));
     }

@@ -47,6 +47,15 @@ pub(crate) fn plane_summaries(states: &[State]) -> Vec<PlaneSummary> {
     planes.unwrap_or_default().iter().map(Into::into).collect()
 }
 
+/// The force on each of the `planes`, as clauses of a sentence.
+pub(crate) fn planes_in_words(planes: &[PlaneSummary]) -> String {
+    let force = |(plane, summary): (usize, &PlaneSummary)| {
+        let force = Vec3::from(summary.force).norm();
+        format!(", plane {plane} pressed with {force:.3} N")
+    };
+    planes.iter().enumerate().map(force).collect()
+}
+
 /// Writes `contact.csv`, every plane at every one of `points`; nothing where the scene has no planes.
 pub(crate) fn write_contact(
     folder: &Path,

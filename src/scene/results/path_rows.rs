@@ -157,14 +157,6 @@ impl ReactionSummary {
     }
 }
 
-/// What the planes say on the terminal: the force on each.
-pub(crate) fn planes_in_words(planes: &[PlaneState]) -> String {
-    let force = |(plane, state): (usize, &PlaneState)| {
-        format!(", plane {plane} pressed with {:.3} N", state.force.norm())
-    };
-    planes.iter().enumerate().map(force).collect()
-}
-
 /// Writes `<free>.csv` and `<blocked>.csv`, and the pictures of both where a `mesh` is given.
 pub(crate) fn write_scenarios(
     folder: &Path,

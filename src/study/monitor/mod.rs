@@ -8,46 +8,25 @@ mod reader;
 mod shape;
 
 use std::collections::VecDeque;
-use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use serde::Serialize;
 
 use self::reader::Reader;
-use crate::cli::one_line;
-use crate::cli::terminal::say;
-use crate::cli::terminal::warn;
 use crate::evolve::IndividualId;
 use crate::fitness::Outcome;
 use crate::genome::{GENES, Genome};
-use crate::monitor::{Answer, Refusal, Server, Source, is_built_in};
+use crate::monitor::{Answer, Refusal, Source};
+use crate::scene::error::one_line;
 use crate::study::run_folder::{Record, RunFolder};
-
-/// Serves the run in `path` at `address` until the process ends.
-pub(crate) fn run(path: &Path, address: IpAddr, port: u16) -> anyhow::Result<()> {
-    RunFolder::open(path)?;
-    let address = SocketAddr::new(address, port);
-    let server = Server::bind(address).with_context(|| {
-        format!("{address} is not free; choose another with --port, or --port 0 for any")
-    })?;
-    let address = server.address()?;
-    say(&format!("http://{address}/"));
-    if !is_built_in() {
-        warn("this program was built without its page: run scripts/web, build again");
-    }
-    if !address.ip().is_loopback() {
-        warn(&format!("everybody who reaches {address} may look at {}", path.display()));
-    }
-    Ok(server.serve(Arc::new(Watched::new(path)))?)
-}
 
 /// Shapes that are kept: some 20 MB.
 const KEPT: usize = 24;
 
 /// A run folder that somebody looks at.
-struct Watched {
+pub(crate) struct Watched {
     path: PathBuf,
     reader: Reader,
     /// The last shapes asked for, the newest first; whoever computes one holds the lock, so that a page does not take all cores.
@@ -55,8 +34,13 @@ struct Watched {
 }
 
 impl Watched {
-    fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), reader: Reader::of(path), shapes: Mutex::default() }
+    /// The run in `path`.
+    ///
+    /// # Errors
+    /// When that is not the folder of a run.
+    pub(crate) fn open(path: &Path) -> anyhow::Result<Self> {
+        RunFolder::open(path)?;
+        Ok(Self { path: path.to_owned(), reader: Reader::of(path), shapes: Mutex::default() })
     }
 
     /// What was recorded of `id`.

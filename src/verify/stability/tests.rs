@@ -66,7 +66,7 @@ fn an_ending_that_is_not_allowed_fails() {
 fn what_nothing_holds_is_refused_on_every_mesh() {
     let case = case("half_ring_on_plane").unwrap();
     for variant in case.variants() {
-        let ran = super::ran(&case, variant, Backend::Native);
+        let ran = super::ran(&case, variant, Backend::Native, &Unobserved);
         let row = judged(&case, variant, Backend::Native, &ran);
         assert_eq!((row.ending.as_str(), row.verdict), (REJECTED, OK), "{}", row.remark);
         assert!(row.remark.ends_with("(a [[plane]] pushes a part, but does not hold it)"));
@@ -87,7 +87,7 @@ fn built_in_patches_are_held() {
             scene = scene.with_mesh(mesh).unwrap();
         }
         let source = scene.part.source(Path::new(""), &BuiltIn).unwrap();
-        if let Err(error) = Shape::new(&scene, &source) {
+        if let Err(error) = Shape::new(&scene, &source, &Unobserved) {
             let message = format!("{error:#}");
             assert!(!message.contains("freely"), "{name}: {message}");
         }
