@@ -1,11 +1,10 @@
 //! What an error costs, of shells and of solids: two parts on finer and finer meshes, against a solid finer than all.
 //!
 //! ```text
-//! cargo build --release && cargo run --release --example fidelity_cost -- FOLDER [basic_bend | pneunet]
+//! cargo run --release --example fidelity_cost -- FOLDER [basic_bend | pneunet]
 //! ```
 //!
-//! Every run is `pneumorph simulate` of a scene file, the program beside this one, on one thread; the files stay in FOLDER, with a
-//! table and a figure for each part. The error is the distance between the displacements of the tip, over the length of the finest
+//! Every run is the walk of a scene on one thread; FOLDER receives the scene files, and a table and a figure for each part. The error is the distance between the displacements of the tip, over the length of the finest
 //! solid's. That solid, and the others, stand around one mid-surface with edges of 1.5 mm; shells stand on their own. What remains
 //! of a shell's error on fine meshes is the price of its theory. Half an hour.
 
@@ -13,12 +12,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context, bail, ensure};
-use pneumorph::math::Vec3;
+use pneumorph::math::{Vec3, cpu_seconds};
 use pneumorph::report::{ErrorCurve, ErrorPoint, error_svg, png};
-use serde_json::Value;
+use pneumorph::scene::{Scene, Unobserved};
+use pneumorph::solve::{Backend, Stop};
 
 /// A network beside the examples, and what its scenes hold.
 struct Part {
@@ -54,6 +53,7 @@ struct Run {
 }
 
 fn main() -> anyhow::Result<()> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [folder, names @ ..] = words.as_slice() else {
         bail!("name a folder for the results");
@@ -131,41 +131,23 @@ fn study(part: &Part, folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Simulates the scene `name` of a part with the mesh sections `mesh`.
+/// Walks the scene `name` of a part with the mesh sections `mesh`.
 fn run(part: &Part, name: &str, mesh: &str, folder: &Path) -> anyhow::Result<Run> {
     let network = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/networks");
-    let scene = format!(
+    let text = format!(
         "[part]\nnetwork = {:?}\n\n{mesh}\n[material]\nlaw = \"neo-hookean\"\nmu = 1.0\n\n{}",
         network.join(format!("{}.toml", part.name)),
         part.load
     );
-    let path = |end: &str| folder.join(format!("{}_{name}{end}", part.name));
-    fs::write(path(".toml"), scene)?;
-    let program = std::env::current_exe()?
-        .parent()
-        .and_then(Path::parent)
-        .map(|profile| profile.join("pneumorph"))
-        .filter(|program| program.exists())
-        .context("`cargo build --release` first makes the program that this one runs")?;
-    let ran = Command::new(program)
-        .arg("simulate")
-        .arg(path(".toml"))
-        .arg("--out")
-        .arg(path(""))
-        .args(["--solver", "native", "--threads", "1"])
-        .output()?;
-    let said = String::from_utf8_lossy(&ran.stderr);
-    ensure!(ran.status.success(), "{}: {}", path(".toml").display(), said.trim());
-    let summary: Value = serde_json::from_slice(&fs::read(path("").join("summary.json"))?)?;
-    let number = |value: &Value| value.as_f64().context("a number is missing in summary.json");
-    let tip = [0, 1, 2].map(|axis| number(&summary["tip"][axis]));
-    let [x, y, z] = tip;
-    let stages = summary["cpu_seconds"].as_object().context("no times in summary.json")?;
-    let mut cpu_seconds = stages.values().map(number).sum::<anyhow::Result<f64>>()?;
+    let path = folder.join(format!("{}_{name}.toml", part.name));
+    fs::write(&path, &text)?;
+    let start = cpu_seconds();
+    let scene = Scene::parse(&text, &path, Some(Backend::Native))?;
+    let walk = scene.walk(Stop::NEVER, &Unobserved)?;
     // Of programs that make tetrahedra only the time on the clock is known.
-    for attempt in summary["solid"]["attempts"].as_array().into_iter().flatten() {
-        cpu_seconds += number(&attempt["seconds"])?;
-    }
-    let unknowns = number(&summary["unknowns"])? as usize;
-    Ok(Run { tip: Vec3::new(x?, y?, z?), point: ErrorPoint { cpu_seconds, unknowns, error: 0.0 } })
+    let cpu_seconds = cpu_seconds() - start + walk.mesher_seconds;
+    let last = walk.observations.last().context("the part is not stable at rest")?;
+    let tip = Vec3::new(last.tip_x, last.tip_y, last.tip_z);
+    let unknowns = walk.model.unknowns();
+    Ok(Run { tip, point: ErrorPoint { cpu_seconds, unknowns, error: 0.0 } })
 }

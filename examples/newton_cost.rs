@@ -91,16 +91,9 @@ fn basic_bend(edge: Option<f64>) -> Result<Part, Failure> {
 /// A sphere of radius 10 mm and wall 0.1 mm; 20 steps would stretch it by 1.2.
 fn sphere(subdivisions: usize, steps: usize) -> Result<Part, Failure> {
     let surface = TriangleMesh::sphere(10.0, subdivisions);
-    let farthest = |axis: usize, sign: f64| {
-        let height = |v: &u32| sign * surface.positions[*v as usize][axis];
-        (0..surface.positions.len() as u32)
-            .max_by(|a, b| height(a).total_cmp(&height(b)))
-            .ok_or("a sphere has vertices")
-    };
-    let (top, bottom, side) = (farthest(2, 1.0)?, farthest(2, -1.0)?, farthest(0, 1.0)?);
-    let pins = vec![3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
+    let support = Support::of_free_body(&surface);
     let settings = ShellSettings { thickness: 0.1, clamp_height: 10.0, ..Default::default() };
     let mesh = ShellMesh::new(surface, &settings).map_err(|rejected| rejected.to_string())?;
     let pressure = 0.011 * steps as f64 / 20.0;
-    Ok(Part { name: "sphere", mesh, support: Support::Unknowns(pins), pressure, steps })
+    Ok(Part { name: "sphere", mesh, support, pressure, steps })
 }

@@ -10,6 +10,8 @@ const ORDER: [&str; 11] = [
     "genome", "field", "surface", "mesh", "model", "solve", "fitness", "batch", "evolve",
     "printing", "report",
 ];
+/// Rooms that read and write files through `io`; each may name all of `ORDER`, and `scene`.
+const ON_FILES: [&str; 3] = ["scene", "study", "verify"];
 /// Folders outside the order: `math` is the floor, `io`, `monitor` and `cli` are edges.
 const OTHERS: [&str; 4] = ["math", "io", "monitor", "cli"];
 /// Where `unsafe` may stand, besides `ffi/`: the file or folder that wraps one library.
@@ -24,7 +26,7 @@ fn the_sources_keep_the_rules() {
     for folder in ["src", "ffi", "tests", "examples", "build.rs"] {
         collect_rust_files(root, folder, &mut sources);
     }
-    for room in ORDER.iter().chain(&OTHERS) {
+    for room in ORDER.iter().chain(&ON_FILES).chain(&OTHERS) {
         let found = sources.iter().any(|(path, _)| room_of(path) == Some(room));
         assert!(found, "src/{room} is named in tests/architecture.rs but is not there");
     }
@@ -110,7 +112,7 @@ fn check_foreign_code(path: &str, code: &str, broken: &mut Vec<String>) {
 }
 
 fn check_order(path: &str, room: &str, code: &str, broken: &mut Vec<String>) {
-    if !ORDER.contains(&room) && !OTHERS.contains(&room) {
+    if !is_room(room) {
         broken.push(format!(
             "{path}: `{room}` is no known room: add it to ARCHITECTURE.md and tests/architecture.rs"
         ));
@@ -120,7 +122,7 @@ fn check_order(path: &str, room: &str, code: &str, broken: &mut Vec<String>) {
         if is_room(named) && !may_name(room, named) {
             let line = line_of(code, at);
             broken.push(format!(
-                "{path}:{line}: room `{room}` names `{named}`, but data moves only {} (math below, io and cli at the edges)",
+                "{path}:{line}: room `{room}` names `{named}`, but data moves only {} -> scene -> study, verify (math below, io and cli at the edges)",
                 ORDER.join(" -> ")
             ));
         }
@@ -128,23 +130,19 @@ fn check_order(path: &str, room: &str, code: &str, broken: &mut Vec<String>) {
 }
 
 fn check_silence(path: &str, room: &str, code: &str, broken: &mut Vec<String>) {
-    if matches!(room, "report" | "io" | "cli") {
-        return;
-    }
-    for word in [
-        "println!",
-        "eprintln!",
-        "print!",
-        "eprint!",
-        "dbg!",
-        "std::fs",
-        "fs::",
-        "process::Command",
-    ] {
+    let printing =
+        ["println!", "eprintln!", "print!", "eprint!", "dbg!", "stdout", "stderr", "indicatif"];
+    let touching = ["std::fs", "fs::", "process::Command"];
+    let (prints, touches) = match room {
+        "report" | "io" | "cli" => return,
+        on_files if ON_FILES.contains(&on_files) => (&printing[..], &[][..]),
+        _ => (&printing[..], &touching[..]),
+    };
+    for word in prints.iter().chain(touches) {
         for at in word_positions(code, word) {
             let line = line_of(code, at);
             broken.push(format!(
-                "{path}:{line}: `{word}` in room `{room}`: only io, report and cli print, read, write or run"
+                "{path}:{line}: `{word}` in room `{room}`: only cli prints, and only io, report, scene, study and verify read, write or run besides"
             ));
         }
     }
@@ -170,7 +168,7 @@ fn room_of(path: &str) -> Option<&str> {
 }
 
 fn is_room(name: &str) -> bool {
-    ORDER.contains(&name) || OTHERS.contains(&name)
+    ORDER.contains(&name) || ON_FILES.contains(&name) || OTHERS.contains(&name)
 }
 
 fn may_name(room: &str, named: &str) -> bool {
@@ -178,8 +176,13 @@ fn may_name(room: &str, named: &str) -> bool {
     room == named
         || match (room, named) {
             ("cli", _) => true,
+            // What a browser is shown of a run.
+            ("study", "monitor") => true,
             ("math" | "monitor", _) | (_, "monitor" | "cli") => false,
             (_, "math") => true,
+            (room, "scene") => ON_FILES.contains(&room),
+            (_, "study" | "verify") => false,
+            ("scene" | "study" | "verify", _) => true,
             ("io", _) => named != "report",
             (_, "io") => room == "report",
             _ => place(named) < place(room),
@@ -341,6 +344,13 @@ fn a_room_named_from_its_left_is_reported() {
     assert_broken("src/evolve/mod.rs", "use crate::report::X;", "names `report`");
     assert_broken("src/io/mod.rs", "use crate::report::X;", "room `io`");
     assert_broken("src/report/mod.rs", "use crate::cli::X;", "names `cli`");
+    assert_broken("src/evolve/a.rs", "use crate::scene::X;", "names `scene`");
+    assert_broken("src/io/a.rs", "use crate::study::X;", "names `study`");
+    assert_broken("src/scene/a.rs", "use crate::study::X;", "names `study`");
+    assert_broken("src/verify/a.rs", "use crate::study::X;", "names `study`");
+    assert_broken("src/study/a.rs", "use crate::verify::X;", "names `verify`");
+    assert_broken("src/study/a.rs", "use crate::cli::X;", "names `cli`");
+    assert_broken("src/scene/a.rs", "use crate::monitor::X;", "names `monitor`");
     assert_broken("src/attic/mod.rs", "", "no known room");
 }
 
@@ -351,6 +361,9 @@ fn a_room_named_from_its_right_is_free() {
     assert_kept("src/report/a.rs", "use crate::io::X; use crate::evolve::Y;");
     assert_kept("src/io/a.rs", "use crate::evolve::Y;");
     assert_kept("src/cli/a.rs", "use crate::report::Y;");
+    assert_kept("src/scene/a.rs", "use crate::{io::X, printing::Y, report::Z};");
+    assert_kept("src/verify/a.rs", "use crate::scene::X;");
+    assert_kept("src/study/a.rs", "use crate::{monitor::X, scene::Y};");
     assert_kept("src/main.rs", "use crate::report::Y;");
     assert_kept(
         "src/model/a.rs",
@@ -390,6 +403,10 @@ fn a_room_that_prints_or_opens_files_is_reported() {
     assert_broken("src/batch/a.rs", "use std::fs;", "`std::fs`");
     assert_broken("src/batch/a.rs", "use std::{fs, io};\nfn f() { fs::write(); }", ":2: `fs::`");
     assert_broken("src/mesh/a.rs", "use std::process::Command;", "`process::Command`");
+    assert_broken("src/study/a.rs", "use indicatif::ProgressBar;", "`indicatif`");
+    assert_broken("src/scene/a.rs", "fn f() { eprintln!(); }", "`eprintln!`");
+    assert_broken("src/verify/a.rs", "fn f() { std::io::stdout(); }", "`stdout`");
+    assert_kept("src/study/a.rs", "use std::fs;");
     assert_kept("src/report/a.rs", "use std::fs;");
     assert_kept("src/cli/a.rs", "fn f() { println!(); }");
 }

@@ -8,7 +8,7 @@ use std::thread::available_parallelism;
 use anyhow::ensure;
 use serde::Serialize;
 
-use super::say;
+use super::terminal::say;
 use crate::io::child::is_installed;
 
 /// One thing looked at.

@@ -1,33 +1,14 @@
 //! `export`: a design as files for a printer, and what a printer would say of it.
-//!
-//! ```text
-//! part.stl  part.3mf      the wall with its inlet, one closed surface, mm
-//! printability.json       thickness, overhangs, bridges, trapped air, leaks, mass
-//! ```
 
 use std::path::PathBuf;
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::ensure;
 use clap::{Args, ValueEnum};
-use serde::Serialize;
 
-use super::design_folder::write_json;
-use super::material::within;
-use super::run_file::RunFile;
-use super::run_folder::RunFolder;
-use super::say;
-use super::simulate::read_network;
-use super::solid_part::middle;
-use crate::evolve::IndividualId;
-use crate::field::{CappedField, CompiledNetwork};
-use crate::genome::Network;
-use crate::io::three_mf::Model;
-use crate::io::{OutputFolder, stl};
-use crate::math::Rejected;
-use crate::mesh::{WallSettings, WallSurfaces, shell_of_field, wall_surfaces};
-use crate::model::{PartModel, PartSetup, Support};
-use crate::printing::{Inlet, LEAST_WALL, PrintSettings, Printability, PrintedPart};
-use crate::surface::TriangleMesh;
+use super::terminal::say;
+use crate::printing::{Inlet, LEAST_WALL, PrintSettings};
+use crate::scene::material::within;
+use crate::study::export;
 
 /// What is exported, and how.
 #[derive(Debug, Args)]
@@ -77,54 +58,21 @@ enum InletName {
     Barb,
 }
 
-/// `printability.json`.
-#[derive(Debug, Serialize)]
-struct Report<'a> {
-    design: &'a str,
-    material: &'a str,
-    inlet: &'a str,
-    triangles: usize,
-    /// Edge length of the faces, mm.
-    edge_mm: f64,
-    #[serde(flatten)]
-    printability: &'a Printability,
-}
-
 impl Export {
     /// Writes the files, and says what is in them.
     pub(super) fn run(&self) -> anyhow::Result<()> {
-        OutputFolder::check_new(&self.out)?;
-        let inlet = self.inlet()?;
-        within("--density", self.density, 0.01, 30.0)?;
-        let (name, network, run) = self.design()?;
-        let thickness = run.wall.thickness;
-        let base_height = run.wall.clamp_height * thickness;
-        within("--edge", self.edge, 0.1, 20.0)?;
-        within("--voxel, which is to find leaks of the wall,", self.voxel, 0.05, 0.5 * thickness)?;
-        let refused = |rejected: Rejected| anyhow!("{name}: {rejected}");
-        let (wall, edge) = self.wall(&middle_of(&network, &run)?, thickness).map_err(refused)?;
-        let part = PrintedPart::new(&wall, thickness, base_height, &inlet).map_err(refused)?;
-        self.check_voxels(&part.surface)?;
-        let settings = PrintSettings { voxel: self.voxel, density: self.density };
-        let printability = Printability::of(&part, &settings).map_err(refused)?;
-
-        let folder = OutputFolder::create_new(&self.out)?;
-        stl::write(&folder.file("part.stl"), &part.surface)?;
-        let inlet = self.inlet_words();
-        let material = run.material.name();
-        let description = format!("pneumatic actuator, wall of {thickness} mm, {inlet}");
-        let model = Model { name: &name, description: &description, material, mesh: &part.surface };
-        model.write(&folder.file("part.3mf"))?;
-        let triangles = part.surface.triangles.len();
-        let report = Report {
-            design: &name,
-            material,
-            inlet: &inlet,
-            triangles,
-            edge_mm: edge,
-            printability: &printability,
+        let inlet_words = self.inlet_words();
+        let export = export::Export {
+            source: &self.source,
+            id: self.id.as_deref(),
+            run: self.run.as_deref(),
+            out: &self.out,
+            inlet: self.inlet()?,
+            inlet_words: &inlet_words,
+            edge: self.edge,
+            print: PrintSettings { voxel: self.voxel, density: self.density },
         };
-        write_json(&folder.file("printability.json"), &report)?;
+        let report = export.write()?;
         let words = || format!("{}\nresults in {}", report.in_words(), self.out.display());
         say(&if self.json { serde_json::to_string_pretty(&report)? } else { words() });
         Ok(())
@@ -158,113 +106,4 @@ impl Export {
             InletName::Barb => format!("barb for a tube of {tube} mm, bore {bore} mm"),
         }
     }
-
-    /// The name, the network and the run file of the design.
-    fn design(&self) -> anyhow::Result<(String, Network, RunFile)> {
-        let Some(id) = &self.id else {
-            let run = self.run.as_deref().context("clap demands --run without a design")?;
-            let name = self.source.file_stem().unwrap_or_default().to_string_lossy();
-            return Ok((name.into_owned(), read_network(&self.source)?, RunFile::read(run, None)?));
-        };
-        let id: IndividualId = id.parse()?;
-        let folder = RunFolder::open(&self.source)?;
-        let run = folder.run_file()?;
-        let network = folder.path().join("front").join(id.to_string()).join("genome.toml");
-        ensure!(
-            network.is_file(),
-            "{} has no design {id} on its front; front.csv lists those it has",
-            self.source.display()
-        );
-        Ok((id.to_string(), read_network(&network)?, run))
-    }
-
-    /// The faces of the wall around `mid`, and the edge length that could be meshed.
-    fn wall(&self, mid: &TriangleMesh, thickness: f64) -> Result<(WallSurfaces, f64), Rejected> {
-        let with = |edge: f64| {
-            let settings = WallSettings { edge, ..WallSettings::default() };
-            wall_surfaces(mid, thickness, &settings).map(|wall| (wall, edge))
-        };
-        OTHER_EDGES.iter().fold(with(self.edge), |found, share| {
-            found.or_else(|rejected| with(share * self.edge).map_err(|_| rejected))
-        })
-    }
-
-    fn check_voxels(&self, surface: &TriangleMesh) -> anyhow::Result<()> {
-        let (lower, upper) = surface.bounding_box().unwrap_or_default();
-        let cubes = (upper - lower).product() / self.voxel.powi(3);
-        ensure!(
-            cubes <= MOST_CUBES,
-            "--voxel is {:?}, too fine for a part of this size; {:.2} mm would do",
-            self.voxel,
-            self.voxel * (cubes / MOST_CUBES).cbrt() + 0.005
-        );
-        Ok(())
-    }
 }
-
-/// The middle of the wall of the design that `network` makes under the settings of `run`.
-fn middle_of(network: &Network, run: &RunFile) -> anyhow::Result<TriangleMesh> {
-    let compiled = CompiledNetwork::new(network);
-    let field = CappedField::new(compiled, run.design_box, run.mesh.rim_radius)?;
-    let material = run.material.material()?;
-    let shell = shell_of_field(&field, &run.mesh, &run.wall)
-        .and_then(|shell| PartModel::new(&shell, &material, &Support::Clamp, &PartSetup::default()))
-        .map_err(|rejected| anyhow!("{rejected}"))?;
-    Ok(middle(&shell, run.wall.thickness))
-}
-
-impl Report<'_> {
-    fn in_words(&self) -> String {
-        let Printability {
-            size_mm: [x, y, z],
-            volume_mm3,
-            mass_g,
-            density_g_cm3,
-            least_wall_mm,
-            least_wall_at_mm,
-            voxel_mm,
-            pockets_mm3,
-            warnings,
-            ..
-        } = self.printability;
-        let yes = |answer: bool| if answer { "yes" } else { "no" };
-        let [at_x, at_y, at_z] = least_wall_at_mm;
-        let mut lines = vec![
-            format!("{} in {}, {}", self.design, self.material, self.inlet),
-            format!("{} triangles, edges of {} mm", self.triangles, self.edge_mm),
-            format!("size          {x:.1} x {y:.1} x {z:.1} mm"),
-            format!(
-                "material      {:.2} cm^3, {mass_g:.1} g at {density_g_cm3} g/cm^3",
-                1e-3 * volume_mm3
-            ),
-            format!("thinnest      {least_wall_mm:.2} mm at ({at_x:.1}, {at_y:.1}, {at_z:.1})"),
-            format!(
-                "air           chamber reached: {}, airtight when plugged: {}, trapped pockets: {} (cubes of {voxel_mm} mm)",
-                yes(self.printability.chamber_reached),
-                yes(self.printability.airtight),
-                pockets_mm3.len()
-            ),
-            String::new(),
-            "up   overhang %  in chamber %  support mm^2  bridge mm  height mm".to_owned(),
-        ];
-        for (place, up) in self.printability.orientations.iter().enumerate() {
-            lines.push(format!(
-                "{:<3}  {:>10.1}  {:>12.1}  {:>12.0}  {:>9.1}  {:>9.1}{}",
-                up.up,
-                100.0 * up.overhang_share,
-                100.0 * up.chamber_overhang_share,
-                up.support_area_mm2,
-                up.longest_bridge_mm,
-                up.height_mm,
-                if place == 0 { "  best" } else { "" }
-            ));
-        }
-        lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
-        lines.join("\n")
-    }
-}
-
-/// Edge lengths that are tried where the one wanted fails, over it; twice the default is the solids'.
-const OTHER_EDGES: [f64; 3] = [0.7, 1.5, 2.0];
-/// Some hundred megabytes.
-const MOST_CUBES: f64 = 2e8;

@@ -2,15 +2,17 @@
 
 use std::path::Path;
 
-use super::closed_part;
-use super::part::{PartFiles, PartSource};
-use super::placement::Placed;
-use super::run_file::RunFile;
-use super::run_folder::RunFolder;
-use super::scene_file::SceneFile;
-use super::simulate::{OnDisk, read_network};
 use crate::evolve::Nsga2;
 use crate::io::{ChamberChoice, calculix, toml_file};
+use crate::scene::Unobserved;
+use crate::scene::error::one_line;
+use crate::scene::part::closed_part;
+use crate::scene::part::on_disk::{OnDisk, read_network};
+use crate::scene::part::placement::Placed;
+use crate::scene::part::{PartFiles, PartSource};
+use crate::scene::scene_file::SceneFile;
+use crate::study::run_file::RunFile;
+use crate::study::run_folder::RunFolder;
 
 /// Which kind of file it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +40,7 @@ pub enum Input {
 /// # Errors
 /// One line when a command would refuse it.
 pub fn inspect(input: Input, path: &Path) -> Result<(), String> {
-    looked_at(input, path).map_err(|error| super::one_line(&error))
+    looked_at(input, path).map_err(|error| one_line(&error))
 }
 
 fn looked_at(input: Input, path: &Path) -> anyhow::Result<()> {
@@ -52,7 +54,7 @@ fn looked_at(input: Input, path: &Path) -> anyhow::Result<()> {
             let placed = Placed::new(&scene.part, &mut surface.positions);
             let source = PartSource::Stl { file: path.to_owned(), surface, placed };
             source.check_size(&scene.part, scene.wall.thickness)?;
-            closed_part::shell(&scene, &source).map(|_| ())
+            closed_part::shell(&scene, &source, &Unobserved).map(|_| ())
         }
         Input::Tetrahedra => OnDisk.tetrahedra(path, &ChamberChoice::default()).map(|_| ()),
         Input::RunFolder => {

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 
-use super::design_folder::write_json;
-use super::run_file::check_mesh;
-use super::say;
-use super::simulate::read_network;
+use super::terminal::say;
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
 use crate::io::vtu::Picture;
 use crate::io::{OutputFolder, stl};
 use crate::mesh::{MeshSettings, surface_of_field};
+use crate::scene::checks::check_mesh;
+use crate::scene::part::on_disk::read_network;
+use crate::scene::results::design_folder::write_json;
 use crate::surface::SurfaceQuality;
 
 /// Meshes the network at `path` and writes surface and quality into the new folder `out`.

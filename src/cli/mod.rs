@@ -1,61 +1,21 @@
 //! The command line: what was typed, turned into work, and work turned into files and lines.
 
-mod certify;
-mod closed_part;
-mod compare;
-mod compare_runs;
-mod contact_rows;
 mod deck;
-mod design_folder;
-mod design_pictures;
 mod doctor;
-mod evaluations;
 mod evolve;
 mod export;
 mod film;
-mod formula;
 mod inspect;
 mod keys;
-mod material;
-mod meaning;
+mod listener;
 mod mesh;
-mod mesh_error;
-mod mesh_section;
 #[cfg(feature = "monitor")]
 mod monitor;
-mod overload;
-mod own_surface;
-mod part;
-mod patch_part;
-mod path_rows;
 mod patience;
 mod pick;
-mod placement;
-mod provenance;
-mod report;
-mod resume;
-mod run_file;
-mod run_folder;
-mod scene_file;
-mod shape;
 mod simulate;
-mod simulate_shape;
-mod solid_front;
-mod solid_part;
-mod stability_case;
 mod terminal;
-mod verify;
-mod verify_cases;
-mod verify_compare;
-#[cfg(test)]
-mod verify_curves;
-mod verify_files;
-mod verify_section;
-mod verify_stability;
 mod walk_progress;
-mod walk_summary;
-mod watch;
-mod watch_curve;
 
 #[cfg(feature = "monitor")]
 use std::net::IpAddr;
@@ -68,14 +28,21 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 pub use self::inspect::{Input, inspect};
-use self::solid_part::SolidSection;
-use self::terminal::{narrate, say, warn};
-use self::verify::Selection;
-use self::verify_cases::{CURVES, SHELLS};
-use self::verify_files::SceneFolder;
+use self::listener::Listener;
+use self::patience::Patience;
+use self::terminal::{say, warn};
 use crate::io::{OutputFolder, atomic};
 use crate::mesh::ShellElement;
+use crate::scene::deck::Choices;
+use crate::scene::error::one_line;
+use crate::scene::part::solid_part::SolidSection;
+use crate::scene::{End, scene_file};
 use crate::solve::{Backend, Job};
+use crate::study::{Manner, certify, comparison, report, run_file};
+use crate::verify::benchmarks::{self, Selection};
+use crate::verify::cases::{CURVES, SHELLS};
+use crate::verify::files::SceneFolder;
+use crate::verify::stability;
 
 /// Designs pneumatic soft actuators by evolution.
 #[derive(Debug, Parser)]
@@ -325,12 +292,13 @@ impl Benchmarks {
     fn run(self, folder: &'static SceneFolder) -> anyhow::Result<()> {
         let Self { case, element, out, list, quick, solver } = self;
         if list {
-            return verify::list(folder);
+            say_all(&benchmarks::list(folder)?);
+            return Ok(());
         }
         let element = element.map(ShellElement::from);
         let selection = Selection { folder, cases: case, element, quick, solver: solver.into() };
         // Its CPU times are those of one thread.
-        on_threads(1, || verify::run(&selection, out.as_deref()))
+        on_threads(1, || benchmarks::run(&selection, out.as_deref(), &Listener::default()))
     }
 }
 
@@ -445,9 +413,9 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         }
         Command::Evolve { run, out, resume, threads, time_limit, solver, json, .. } => {
             let (run, out) = (given(run), given(out));
-            let solver = solver.map(Backend::from);
-            let manner = evolve::Manner { resume, threads, solver, time_limit, json, job };
-            return Ok(evolve::run(&run, &out, &manner)?.into());
+            let manner = Manner { resume, threads, job };
+            let asked = evolve::Asked { solver: solver.map(Backend::from), time_limit, json };
+            return Ok(evolve::run(&run, &out, &manner, &asked)?.into());
         }
         Command::Simulate { scene, out, solver, json, threads, .. } => {
             let (scene, out, solver) = (given(scene), given(out), solver.map(Backend::from));
@@ -474,43 +442,45 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
                 resume,
                 threads,
                 solver: solver.map(Backend::from),
-                time_limit,
             };
-            return Ok(certify::run(&request)?.into());
+            let patience = Patience::new(time_limit)?;
+            return Ok(certify::certify_designs(&request, &patience, &Listener::default())?.into());
         }
         Command::Export(export) => export.run(),
         Command::Mesh { network, out, edge, json } => mesh::run(&network, &out, edge, json),
         Command::Deck { source, id, out, poisson_ratio, edge, pressure, samples, solver } => {
             let solver = solver.map(Backend::from);
-            let choices = deck::Choices { poisson_ratio, edge, pressure, samples, solver };
+            let choices = Choices { poisson_ratio, edge, pressure, samples, solver };
             deck::run(&source, id.as_deref(), &out, &choices)
         }
         Command::Compare { folder, other: Some(other), out, json } => {
-            compare_runs::run([&folder, &other], out.as_deref(), json)
+            let comparison = comparison::compare([&folder, &other], out.as_deref())?;
+            let words = || comparison.in_words(out.as_deref());
+            say(&if json { serde_json::to_string_pretty(&comparison)? } else { words() });
+            Ok(())
         }
-        Command::Compare { folder, other: None, json, .. } => {
-            anyhow::ensure!(
-                !folder.join("run.toml").exists(),
-                "{} is a run; name another run to compare it with",
-                folder.display()
-            );
-            compare::run(&folder, json)
-        }
+        Command::Compare { folder, other: None, json, .. } => deck::compare(&folder, json),
         Command::Verify { what: Verified::Shells(benchmarks) } => benchmarks.run(&SHELLS),
         Command::Verify { what: Verified::Curves(benchmarks) } => benchmarks.run(&CURVES),
         Command::Verify { what: Verified::Stability { list: true, .. } } => {
-            verify_stability::list()
+            say_all(&stability::list()?);
+            Ok(())
         }
         Command::Verify { what: Verified::Stability { case, out, quick, solver, .. } } => {
             let solver = solver.map(Backend::from);
-            let selection = verify_stability::Selection { cases: case, solver, quick };
-            on_threads(1, || verify_stability::run(&selection, out.as_deref()))
+            let selection = stability::Selection { cases: case, solver, quick };
+            on_threads(1, || stability::run(&selection, out.as_deref(), &Listener::default()))
         }
         #[cfg(feature = "monitor")]
         Command::Monitor { run, port, listen } => monitor::run(&run, listen, port),
         Command::Film(film) => film.run(),
         Command::Pick(pick) => pick.run(),
-        Command::Report { run } => report::run(&run),
+        Command::Report { run } => {
+            let reported = report::report(&run, &Listener::default())?;
+            say(&reported.table);
+            say_all(&reported.written);
+            Ok(())
+        }
         Command::Doctor { json } => doctor::run(json),
         Command::Completions { shell } => {
             let mut text = Vec::new();
@@ -527,6 +497,22 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
     done.map(|()| ExitCode::SUCCESS)
 }
 
+/// The exit code of [`End::Stopped`].
+const STOPPED: u8 = 3;
+
+impl From<End> for ExitCode {
+    fn from(end: End) -> Self {
+        match end {
+            End::Finished => Self::SUCCESS,
+            End::Stopped => Self::from(STOPPED),
+        }
+    }
+}
+
+fn say_all(lines: &[String]) {
+    lines.iter().for_each(|line| say(line));
+}
+
 /// Does `work` on this thread, whose parallel loops run on so many threads, itself included.
 fn on_threads<Answer: Send>(
     threads: usize,
@@ -538,19 +524,6 @@ fn on_threads<Answer: Send>(
 
 fn given(path: Option<PathBuf>) -> PathBuf {
     path.expect("clap demands the path unless defaults are printed")
-}
-
-/// An error and its causes in one line; a cause that its effect has told already is not repeated.
-fn one_line(error: &anyhow::Error) -> String {
-    let mut told = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if told.is_empty() {
-            told = cause;
-        } else if !told.ends_with(&cause) {
-            told = format!("{told}: {cause}");
-        }
-    }
-    told
 }
 
 /// More threads than any machine has cores would only take its memory.

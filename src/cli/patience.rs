@@ -3,7 +3,6 @@
 //! A first SIGINT (Ctrl-C) or SIGTERM asks: what has ended is written, and the exit code is 3. A second one ends the process
 //! at once, with the exit codes of a shell, 130 and 143.
 
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -12,34 +11,7 @@ use anyhow::Context;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::solve::{Ending, Path};
-
-/// How a command that may be stopped has ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
-    Finished,
-    /// What it had is in its folder.
-    Stopped,
-}
-
-impl End {
-    /// How a command ends that was to walk a path.
-    pub(super) fn of(walked: &Path) -> Self {
-        if walked.ending == Ending::Interrupted { Self::Stopped } else { Self::Finished }
-    }
-}
-
-/// The exit code of [`End::Stopped`].
-const STOPPED: u8 = 3;
-
-impl From<End> for ExitCode {
-    fn from(end: End) -> Self {
-        match end {
-            End::Finished => Self::SUCCESS,
-            End::Stopped => Self::from(STOPPED),
-        }
-    }
-}
+use crate::study::Limits;
 
 /// Who may ask a command to stop.
 #[derive(Clone, Debug)]
@@ -64,20 +36,15 @@ impl Patience {
         let deadline = time_limit.and_then(|limit| Instant::now().checked_add(limit));
         Ok(Self { told, deadline })
     }
+}
 
-    /// Whether it is over.
-    pub(super) fn is_over(&self) -> bool {
+impl Limits for Patience {
+    fn is_over(&self) -> bool {
         self.is_interrupted() || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Whether a signal came.
-    pub(super) fn is_interrupted(&self) -> bool {
+    fn is_interrupted(&self) -> bool {
         self.told.load(Ordering::Relaxed)
-    }
-
-    /// Why it is over, as a sentence begins.
-    pub(super) fn why(&self) -> &'static str {
-        if self.is_interrupted() { "interrupted" } else { "the time is over" }
     }
 }
 

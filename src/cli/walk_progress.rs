@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::narrate;
+use super::terminal::narrate;
 use crate::solve::{PathPoint, Programme};
 
 /// Says at most every few seconds where a path is.
@@ -13,24 +13,23 @@ pub(super) struct WalkProgress {
     begun: Instant,
     said: Instant,
     states: usize,
-    is_silent: bool,
 }
 
 /// Who waits longer than this for a word wonders.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 impl WalkProgress {
-    /// Of a path through `programme`; where `is_silent`, another process speaks.
-    pub(super) fn new(programme: Programme, is_silent: bool) -> Self {
+    /// Of a path through `programme`.
+    pub(super) fn new(programme: Programme) -> Self {
         let now = Instant::now();
-        Self { programme, start: None, begun: now, said: now, states: 0, is_silent }
+        Self { programme, start: None, begun: now, said: now, states: 0 }
     }
 
     /// Takes note of an accepted state.
     pub(super) fn note(&mut self, point: &PathPoint) {
         self.start.get_or_insert(point.drive);
         self.states += 1;
-        if !self.is_silent && self.said.elapsed() >= PATIENCE {
+        if self.said.elapsed() >= PATIENCE {
             self.said = Instant::now();
             narrate(&self.line(point));
         }
@@ -54,13 +53,13 @@ mod tests {
 
     #[test]
     fn a_line_says_how_far_a_path_is() {
-        let mut progress = WalkProgress::new(0.2.into(), true);
+        let mut progress = WalkProgress::new(0.2.into());
         progress.note(&PathPoint::at_rest(0.0, 0));
         let point = PathPoint { load: 0.05, ..PathPoint::at_rest(0.05, 0) };
         progress.note(&point);
         let line = progress.line(&point);
         assert_eq!(line, "walking: 25 % of the way, state 2 at load 0.0500, after 0 s");
-        let curve = WalkProgress::new(Programme::Curve { end: 1.0 }, true);
+        let curve = WalkProgress::new(Programme::Curve { end: 1.0 });
         assert_eq!(curve.line(&point), "walking: state 0 at load 0.0500, after 0 s");
     }
 }

@@ -20,6 +20,7 @@ mod mesher;
 pub mod msh;
 mod own_solid;
 pub mod part_file;
+pub(crate) mod provenance;
 mod raw_solid;
 mod solid_case;
 pub mod stl;

@@ -10,6 +10,7 @@ pub mod dirichlet;
 mod discretization;
 mod edge_support;
 pub mod element;
+mod free_body;
 pub mod load;
 pub mod local;
 pub mod material;

@@ -15,6 +15,7 @@ mod krylov;
 #[cfg(feature = "petsc")]
 mod lanczos;
 mod line_search;
+mod linear;
 mod native;
 mod observed;
 mod path;
@@ -43,6 +44,7 @@ pub use ending::Ending;
 pub use hermite::{Cubic, Segment};
 pub use job::{Job, Message, confined};
 pub use krylov::{KrylovReport, solve_unsymmetric};
+pub use linear::linear_path;
 pub use native::NativeSolver;
 pub use path::{Path, PathPoint, PathSettings, Programme, follow, follow_from, follow_watched};
 #[cfg(feature = "petsc")]

@@ -3,9 +3,9 @@
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings};
 use pneumorph::model::material::Material;
-use pneumorph::model::system::{LoadedSystem, System};
+use pneumorph::model::system::System;
 use pneumorph::model::{EdgeSupport, PartModel, PartSetup, PatchLoads, Support};
-use pneumorph::solve::{EquilibriumSolver, NativeSolver, Path, PathSettings, Programme, follow};
+use pneumorph::solve::{NativeSolver, Path, PathSettings, Programme, follow, linear_path};
 use pneumorph::surface::TriangleMesh;
 
 /// The middle of the walls of all spheres and tubes, mm.
@@ -13,17 +13,6 @@ pub(crate) const RADIUS: f64 = 10.0;
 
 /// Of the tubes, mm.
 const LENGTH: f64 = 4.0;
-
-/// The unknowns that hold a closed part against its rigid motions alone: 3 at the top, 2 at the bottom, 1 beside.
-pub(crate) fn pins(surface: &TriangleMesh) -> Support {
-    let farthest = |axis: usize, sign: f64| {
-        let height = |v: &u32| sign * surface.positions[*v as usize][axis];
-        (0..surface.positions.len() as u32).max_by(|a, b| height(a).total_cmp(&height(b))).unwrap()
-    };
-    let (top, bottom, side) = (farthest(2, 1.0), farthest(2, -1.0), farthest(0, 1.0));
-    let pins = [3 * top, 3 * top + 1, 3 * top + 2, 3 * bottom, 3 * bottom + 1, 3 * side + 1];
-    Support::Unknowns(pins.to_vec())
-}
 
 /// A free sphere: an icosahedron quartered so many times.
 pub(crate) fn sphere(
@@ -44,7 +33,7 @@ pub(crate) fn sphere_among(
     setup: &PartSetup,
 ) -> PartModel {
     let surface = TriangleMesh::sphere(RADIUS, subdivisions);
-    let support = pins(&surface);
+    let support = Support::of_free_body(&surface);
     // A mesh wants a clamp, which these supports do not use.
     let clamp_height = RADIUS / thickness;
     let settings =
@@ -85,12 +74,7 @@ pub(crate) fn driven(
 
 /// The displacements at a load of 1 by the linear theory.
 pub(crate) fn linear_response(model: &mut PartModel) -> Vec<f64> {
-    let rest = vec![0.0; model.unknowns()];
     let mut solver = NativeSolver::new(model.pattern()).unwrap();
-    model.set_load(0.0);
-    assert_eq!(solver.linearize(model, &rest).unwrap(), 0, "unstable at rest");
-    let mut response = rest.clone();
-    model.load_direction(&rest, &mut response);
-    solver.solve_linearized(&mut response).unwrap();
-    response
+    let path = linear_path(model, &mut solver, 1.0).unwrap();
+    path.points.last().expect("it is stable at rest").x.clone()
 }

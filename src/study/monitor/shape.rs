@@ -1,0 +1,115 @@
+//! A design in three dimensions: its shell at rest and at every state of both scenarios.
+
+use serde::Serialize;
+
+use crate::fitness::{CandidateSettings, Observation, Scenarios, evaluate_network};
+use crate::genome::Network;
+use crate::math::Vec3;
+use crate::mesh::ShellMesh;
+use crate::model::material::Material;
+use crate::model::membrane_states;
+use crate::solve::{Backend, Path, PathPoint};
+use crate::surface::TriangleMesh;
+
+/// A shell, what blocks it, and how it moves.
+#[derive(Serialize)]
+pub(crate) struct Shape {
+    /// `[3 vertex + axis]`, mm.
+    reference: Vec<f64>,
+    /// `[3 triangle + corner]`.
+    triangles: Vec<u32>,
+    /// mm.
+    thickness: f64,
+    plane: Option<Plane>,
+    scenarios: [Scenario; 2],
+}
+
+#[derive(Serialize)]
+struct Plane {
+    normal: [f64; 3],
+    /// mm.
+    point: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct Scenario {
+    name: &'static str,
+    ending: &'static str,
+    rows: Vec<Observation>,
+    frames: Vec<Frame>,
+}
+
+/// A state of a path.
+#[derive(Serialize)]
+struct Frame {
+    /// MPa.
+    pressure: f64,
+    /// As the reference.
+    positions: Vec<f64>,
+    /// Largest principal stretch of the wall's middle `[vertex]`.
+    stretch: Vec<f64>,
+    /// Largest principal Cauchy stress there, MPa.
+    stress: Vec<f64>,
+}
+
+/// The shape of a network with these settings, whatever solver they name; none where it is rejected.
+pub(crate) fn computed(
+    network: &Network,
+    settings: CandidateSettings,
+) -> anyhow::Result<Option<Shape>> {
+    let settings = CandidateSettings { backend: Backend::Native, ..settings };
+    let candidate = evaluate_network(network, &settings)?;
+    let (Some(mesh), Some(scenarios)) = (candidate.mesh, candidate.scenarios) else {
+        return Ok(None);
+    };
+    let Scenarios { model, free, blocked, free_rows, blocked_rows, .. } = scenarios;
+    let shown = |point: &PathPoint| {
+        frame(&mesh, &settings.material, point.load, &model.vertex_displacements(&point.x))
+    };
+    let scenario = |name, path: &Path, rows| Scenario {
+        name,
+        ending: path.ending.name(),
+        rows,
+        frames: path.points.iter().map(shown).collect(),
+    };
+    let plane = model.plane_places().first().map(|&(normal, offset)| {
+        let middle = mean(&mesh.surface);
+        let point = middle + normal * (offset - normal.dot(&middle));
+        Plane { normal: normal.into(), point: point.into() }
+    });
+    Ok(Some(Shape {
+        reference: flat(&mesh.surface.positions),
+        triangles: mesh.surface.triangles.concat(),
+        thickness: mesh.thickness,
+        plane,
+        scenarios: [
+            scenario("bending", &free, free_rows),
+            scenario("blocked", &blocked, blocked_rows),
+        ],
+    }))
+}
+
+fn frame(mesh: &ShellMesh, material: &Material, pressure: f64, displacements: &[Vec3]) -> Frame {
+    let positions: Vec<Vec3> =
+        mesh.surface.positions.iter().zip(displacements).map(|(x, u)| x + u).collect();
+    let states = membrane_states(material, &mesh.surface, &positions);
+    Frame {
+        pressure,
+        positions: flat(&positions),
+        stretch: states.iter().map(|state| rounded(state.stretch)).collect(),
+        stress: states.iter().map(|state| rounded(state.stress)).collect(),
+    }
+}
+
+fn mean(surface: &TriangleMesh) -> Vec3 {
+    surface.positions.iter().sum::<Vec3>() / surface.positions.len() as f64
+}
+
+fn flat(points: &[Vec3]) -> Vec<f64> {
+    points.iter().flat_map(|x| [x.x, x.y, x.z]).map(rounded).collect()
+}
+
+/// To four decimals: a picture shows no more, and a long tail of digits triples what is sent.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}

@@ -1,0 +1,184 @@
+//! The run file of `evolve`, and the sections that it shares with scenes.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::evolve::{self, Nsga2Settings};
+use crate::field::DesignBox;
+use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings};
+use crate::genome::{Bounds, GENES};
+use crate::io::toml_file;
+use crate::mesh::{MeshSettings, ShellSettings};
+use crate::scene::checks::{check_distance, check_mesh, check_normal, check_shell, check_solver};
+use crate::scene::keys::{annotated, sections};
+use crate::scene::material::{MaterialSection, positive, within};
+use crate::scene::part::solid_part::SolidSection;
+use crate::solve::Backend;
+
+/// A run file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunFile {
+    pub(crate) evolution: Nsga2Settings,
+    pub(crate) fitness: FitnessSettings,
+    #[serde(rename = "box")]
+    pub(crate) design_box: DesignBox,
+    pub(crate) mesh: MeshSettings,
+    pub(crate) wall: ShellSettings,
+    pub(crate) material: MaterialSection,
+    pub(crate) load: LoadSettings,
+    pub(crate) solver: SolverSection,
+    /// The front again as solids, when the search is over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) solid: Option<SolidSection>,
+    /// Bounds of single genes, `name = [lower, upper]`.
+    pub(crate) genes: BTreeMap<String, [f64; 2]>,
+}
+
+/// Which solver finds the equilibria.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SolverSection {
+    /// Which library finds the equilibria.
+    pub backend: Backend,
+}
+
+impl Default for RunFile {
+    fn default() -> Self {
+        Self {
+            evolution: Nsga2Settings::default(),
+            fitness: FitnessSettings::default(),
+            design_box: DesignBox::default(),
+            mesh: MeshSettings::default(),
+            wall: ShellSettings::default(),
+            material: MaterialSection::default(),
+            load: LoadSettings::default(),
+            // A search runs on threads, and PETSc would make them take turns.
+            solver: SolverSection { backend: Backend::Native },
+            solid: None,
+            genes: BTreeMap::new(),
+        }
+    }
+}
+
+impl RunFile {
+    /// Reads and checks the run file at `path`; `solver` is taken instead of its own.
+    ///
+    /// # Errors
+    /// One line that names the file when it cannot be read, or says what no search can.
+    pub fn read(path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
+        toml_file::read::<Self>(path)?.accepted(path, solver)
+    }
+
+    /// Reads the `text` of a run file as if it stood at `path`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(text: &str, path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
+        toml_file::parse::<Self>(text, path)?.accepted(path, solver)
+    }
+
+    fn accepted(mut self, path: &Path, solver: Option<Backend>) -> anyhow::Result<Self> {
+        self.solver.backend = solver.unwrap_or(self.solver.backend);
+        self.checked().with_context(|| path.display().to_string())?;
+        Ok(self)
+    }
+
+    /// Itself, when every value is one that the program can work with.
+    pub(crate) fn checked(&self) -> anyhow::Result<&Self> {
+        check_solver(self.solver.backend)?;
+        positive("[load] pressure", self.load.pressure)?;
+        check_shell(&self.wall, &self.load)?;
+        check_mesh(self.design_box, &self.mesh)?;
+        ensure!(
+            self.evolution.population <= MOST_INDIVIDUALS,
+            "[evolution] population is {}, but at most {MOST_INDIVIDUALS} fit in memory",
+            self.evolution.population
+        );
+        if let Some(section) = &self.solid {
+            section.check()?;
+            section.check_material(&self.material.material()?)?;
+        }
+        self.evolution.validate().context("[evolution]")?;
+        self.gene_bounds()?;
+        self.material.material()?;
+        within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
+        check_distance("[fitness] plane_distance", self.fitness.plane_distance)?;
+        check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
+        self.check_further_objectives()?;
+        let height = self.design_box.sides().z;
+        let clamped = self.wall.clamp_height * self.wall.thickness;
+        ensure!(
+            clamped < (1.0 - self.wall.tip_fraction) * height,
+            "[wall] clamp_height holds {clamped:.2} mm of a box of {height} mm, tip included; it must be smaller"
+        );
+        Ok(self)
+    }
+
+    fn check_further_objectives(&self) -> anyhow::Result<()> {
+        let further = &self.fitness.further_objectives;
+        let repeated = (1..further.len()).find(|&k| further[..k].contains(&further[k]));
+        ensure!(
+            repeated.is_none(),
+            "[fitness] further_objectives names one twice; name each once: {:?}",
+            further.iter().map(|objective| objective.name).collect::<Vec<_>>()
+        );
+        ensure!(
+            further.is_empty() || self.solid.is_none(),
+            "[solid] sorts its front by bending and blocking alone; leave out [fitness] further_objectives, or walk single designs with certify"
+        );
+        Ok(())
+    }
+
+    /// The bounds of all genes as evolution sees them.
+    pub(crate) fn gene_bounds(&self) -> anyhow::Result<evolve::Bounds> {
+        let bounds = Bounds::with_overrides(&self.genes).context("[genes]")?;
+        let pairs = bounds.intervals().iter().map(|&[lower, upper]| (lower, upper)).collect();
+        evolve::Bounds::new(pairs).context("[genes]")
+    }
+
+    /// What decides a candidate's outcome.
+    ///
+    /// # Errors
+    /// When `[material]` names no law, which [`Self::read`] has refused already.
+    pub fn candidate_settings(&self) -> anyhow::Result<CandidateSettings> {
+        Ok(CandidateSettings {
+            design_box: self.design_box,
+            mesh: self.mesh,
+            wall: self.wall,
+            material: self.material.material()?,
+            load: self.load,
+            fitness: self.fitness.clone(),
+            backend: self.solver.backend,
+        })
+    }
+}
+
+/// A section has no default to print where it is left out.
+const SOLID_EXAMPLE: &str = "
+# The front again as solids, when the search is over, and what that may promote.
+# [solid]
+# edge = 2.0  # mm, on the wall's faces
+# layers = 1  # through the wall; as many as make tetrahedra as high as wide where it is left out
+# mesher = \"tetgen\"  # or gmsh; the one and then the other where it is left out
+# coarser = 1.5  # and with edges so many times longer, by which the first is judged
+# [solid.fidelity]
+# trust = 0.1  # the largest deviation at which the shell is trusted
+# check = 0.25
+";
+
+/// A run file with every default, as TOML, and with the section of a `solid` where there is one.
+pub(crate) fn defaults(solid: Option<SolidSection>) -> String {
+    let bounds = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper]));
+    let run = RunFile { genes: bounds.collect(), solid, ..RunFile::default() };
+    let defaults = toml::to_string(&run).expect("the defaults are plain numbers and words");
+    let example = if solid.is_some() { "" } else { SOLID_EXAMPLE };
+    annotated(&defaults, &sections::<RunFile>()) + example
+}
+
+/// A population of this size takes some hundred megabytes, and a year.
+const MOST_INDIVIDUALS: usize = 100_000;
