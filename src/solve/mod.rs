@@ -7,6 +7,7 @@ mod backend;
 mod bordered;
 mod curve;
 mod damped;
+mod decorator;
 mod ending;
 mod factor;
 mod hermite;
