@@ -33,6 +33,7 @@ mod stop;
 mod supply;
 #[cfg(test)]
 mod test_systems;
+mod vectors;
 mod walk;
 
 use schemars::JsonSchema;
@@ -42,7 +43,7 @@ use crate::model::system::System;
 
 pub use backend::{Backend, LinearMethod};
 pub use ending::Ending;
-pub use hermite::{Cubic, Segment};
+pub use hermite::{Cubic, Segment, hermite_basis};
 pub use job::{Job, Message, confined};
 pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use linear::linear_path;
