@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-use crate::math::Vec3;
+use crate::math::{Vec3, area_vector};
 use crate::mesh::ShellMesh;
 use crate::model::PartModel;
 use crate::solve::PathPoint;
@@ -123,7 +123,7 @@ pub fn observations<'a>(
 ) -> Vec<Observation> {
     let watched = watched.into();
     let facets = tip_facets(&watched);
-    let tip_normal = area_vector(&facets, &watched.surface.positions);
+    let tip_normal = area_of_all(&facets, &watched.surface.positions);
     let (mut chord, mut tangent) = (Turning::default(), Turning::default());
     let axis = tip_normal.normalize();
     let has_contact = model.keeps_folds_apart();
@@ -134,7 +134,7 @@ pub fn observations<'a>(
         let angle = chord.angle(Vec3::new(tip.x, tip.y, 0.0), watched.length + tip.z);
         let deformed: Vec<Vec3> =
             watched.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
-        let normal = area_vector(&facets, &deformed);
+        let normal = area_of_all(&facets, &deformed);
         let along = axis.dot(&normal);
         Observation {
             step,
@@ -191,12 +191,8 @@ fn tip_facets(watched: &Watched<'_>) -> Vec<[u32; 3]> {
 }
 
 /// Sum of the area vectors of `facets`, mm^2.
-fn area_vector(facets: &[[u32; 3]], positions: &[Vec3]) -> Vec3 {
-    let area_vector = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(|v| positions[v as usize]);
-        (b - a).cross(&(c - a)) / 2.0
-    };
-    facets.iter().map(area_vector).sum()
+fn area_of_all(facets: &[[u32; 3]], positions: &[Vec3]) -> Vec3 {
+    facets.iter().map(|facet| area_vector(facet.map(|v| positions[v as usize]))).sum()
 }
 
 #[cfg(test)]
@@ -216,7 +212,7 @@ mod tests {
             let settings = ShellSettings { tip_fraction, ..ShellSettings::default() };
             let mesh = ShellMesh::new(TriangleMesh::sphere(10.0, 2), &settings).unwrap();
             let facets = tip_facets(&(&mesh).into());
-            (mesh.tip.len(), facets.len(), area_vector(&facets, &mesh.surface.positions))
+            (mesh.tip.len(), facets.len(), area_of_all(&facets, &mesh.surface.positions))
         };
         let (vertices, facets, direction) = tip_of(1e-9);
         assert!(vertices <= 2 && facets >= 5, "{vertices} vertices, {facets} facets");
