@@ -75,6 +75,7 @@ fn violations(path: &str, source: &str) -> Vec<String> {
             check_silence(path, room, shipped, &mut broken);
             if room == "solve" {
                 check_geometry(path, &code, &mut broken);
+                check_decorators(path, shipped, &mut broken);
             }
         }
     }
@@ -156,6 +157,19 @@ fn check_geometry(path: &str, code: &str, broken: &mut Vec<String>) {
         if line.contains("triangle") {
             let number = index + 1;
             broken.push(format!("{path}:{number}: `solve` has never heard of a triangle"));
+        }
+    }
+}
+
+/// A solver has no system of its own: it wraps those of models, and one that wraps by hand may forget a method that has a default.
+fn check_decorators(path: &str, code: &str, broken: &mut Vec<String>) {
+    let is_free = path == "src/solve/decorator.rs" || path.starts_with("src/solve/test_");
+    for word in ["System for", "LoadedSystem for"].into_iter().filter(|_| !is_free) {
+        for at in word_positions(code, word) {
+            let line = line_of(code, at);
+            broken.push(format!(
+                "{path}:{line}: a system around another implements `Decorator`, which passes on all that it does not change"
+            ));
         }
     }
 }
@@ -416,6 +430,17 @@ fn a_solver_that_knows_geometry_is_reported() {
     assert_broken("src/solve/a.rs", "fn f(mesh: &TriangleMesh) {}", "never heard of a triangle");
     assert_kept("src/solve/a.rs", "/// The lower triangle.\nfn lower_triangle() {}");
     assert_kept("src/model/a.rs", "fn f(triangle: [u32; 3]) {}");
+}
+
+#[test]
+fn a_decorator_by_hand_is_reported() {
+    let by_hand = "impl System for Held<'_> {}";
+    assert_broken("src/solve/a.rs", by_hand, "`Decorator`");
+    assert_broken("src/solve/a.rs", "impl<S> LoadedSystem for Held<S> {}", "`Decorator`");
+    assert_kept("src/solve/a.rs", "impl Decorator for Held<'_> {}");
+    assert_kept("src/solve/decorator.rs", by_hand);
+    assert_kept("src/solve/test_systems.rs", by_hand);
+    assert_kept("src/model/a.rs", by_hand);
 }
 
 #[test]

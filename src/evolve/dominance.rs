@@ -24,9 +24,22 @@ pub fn dominates(a: &Evaluation, b: &Evaluation) -> bool {
 }
 
 /// Whether no entry of `a [objective]` is larger than that of `b [objective]`, and one is smaller.
-fn pareto_dominates(a: &[f64], b: &[f64]) -> bool {
+///
+/// # Panics
+/// When their numbers of objectives differ.
+#[must_use]
+pub fn pareto_dominates(a: &[f64], b: &[f64]) -> bool {
+    weakly_dominates(a, b) && a.iter().zip(b).any(|(a, b)| a < b)
+}
+
+/// Whether no entry of `a [objective]` is larger than that of `b [objective]`.
+///
+/// # Panics
+/// When their numbers of objectives differ.
+#[must_use]
+pub fn weakly_dominates(a: &[f64], b: &[f64]) -> bool {
     assert_eq!(a.len(), b.len(), "individuals are compared in the same objectives");
-    a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
+    a.iter().zip(b).all(|(a, b)| a <= b)
 }
 
 /// The indices of `evaluations [n]` in fronts, the best front first, each in ascending order.

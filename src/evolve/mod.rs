@@ -31,7 +31,7 @@ mod variation;
 pub use bounds::{Bounds, InvalidBounds};
 pub use checkpoint::{Checkpoint, InvalidCheckpoint};
 pub use crowding::{crowding_distances, most_even};
-pub use dominance::{dominates, fronts};
+pub use dominance::{dominates, fronts, pareto_dominates, weakly_dominates};
 pub use hypervolume::hypervolume;
 pub use individual::{Candidate, Evaluation, Individual, IndividualId, InvalidId};
 pub use nsga2::Nsga2;

@@ -10,6 +10,7 @@ mod further;
 mod objective;
 mod observation;
 mod outcome;
+mod turning;
 
 pub use candidate::{
     Candidate, CandidateSettings, evaluate_network, evaluate_network_until, shell_of_network,
@@ -23,3 +24,4 @@ pub use further::{FurtherObjective, Reading, Sense, UnknownObjective};
 pub use objective::{bending, blocking, figure_of_merit};
 pub use observation::{Observation, Watched, observations, stability};
 pub use outcome::{Outcome, StageSeconds, Unevaluated};
+pub use turning::Turning;

@@ -7,11 +7,10 @@
 //!
 //! Both lie in [0, 2 pi) and go on past half a turn. At constant curvature the tangent angle is twice the chord's; the literature quotes the tangent angle.
 
-use std::f64::consts::TAU;
-
 use serde::Serialize;
 
-use crate::math::Vec3;
+use super::turning::Turning;
+use crate::math::{Vec3, area_vector};
 use crate::mesh::ShellMesh;
 use crate::model::PartModel;
 use crate::solve::PathPoint;
@@ -123,7 +122,7 @@ pub fn observations<'a>(
 ) -> Vec<Observation> {
     let watched = watched.into();
     let facets = tip_facets(&watched);
-    let tip_normal = area_vector(&facets, &watched.surface.positions);
+    let tip_normal = area_of_all(&facets, &watched.surface.positions);
     let (mut chord, mut tangent) = (Turning::default(), Turning::default());
     let axis = tip_normal.normalize();
     let has_contact = model.keeps_folds_apart();
@@ -131,10 +130,10 @@ pub fn observations<'a>(
         let displacements = model.vertex_displacements(&point.x);
         let sum: Vec3 = watched.tip.iter().map(|&v| displacements[v as usize]).sum();
         let tip = sum / watched.tip.len() as f64;
-        let angle = chord.angle(Vec3::new(tip.x, tip.y, 0.0), watched.length + tip.z);
+        let angle = chord.chord(watched.length, tip);
         let deformed: Vec<Vec3> =
             watched.surface.positions.iter().zip(&displacements).map(|(x, u)| x + u).collect();
-        let normal = area_vector(&facets, &deformed);
+        let normal = area_of_all(&facets, &deformed);
         let along = axis.dot(&normal);
         Observation {
             step,
@@ -160,25 +159,6 @@ pub fn observations<'a>(
     points.iter().enumerate().map(observe).collect()
 }
 
-/// A direction that turns away from an axis, followed past half a turn.
-#[derive(Default)]
-struct Turning {
-    across: Vec3,
-    past_half: bool,
-}
-
-impl Turning {
-    /// The angle to the axis of the direction with these parts across and along it, in [0, 2 pi).
-    ///
-    /// Half a turn is passed where the direction points backwards and its part across reverses.
-    fn angle(&mut self, across: Vec3, along: f64) -> f64 {
-        self.past_half ^= along < 0.0 && across.dot(&self.across) < 0.0;
-        self.across = across;
-        let folded = across.norm().atan2(along);
-        if self.past_half { TAU - folded } else { folded }
-    }
-}
-
 /// The facets whose corners all belong to the tip set; those with one such corner where a tip is so sharp that there are none.
 fn tip_facets(watched: &Watched<'_>) -> Vec<[u32; 3]> {
     let in_tip = |v: &u32| watched.tip.binary_search(v).is_ok();
@@ -191,19 +171,13 @@ fn tip_facets(watched: &Watched<'_>) -> Vec<[u32; 3]> {
 }
 
 /// Sum of the area vectors of `facets`, mm^2.
-fn area_vector(facets: &[[u32; 3]], positions: &[Vec3]) -> Vec3 {
-    let area_vector = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(|v| positions[v as usize]);
-        (b - a).cross(&(c - a)) / 2.0
-    };
-    facets.iter().map(area_vector).sum()
+fn area_of_all(facets: &[[u32; 3]], positions: &[Vec3]) -> Vec3 {
+    facets.iter().map(|facet| area_vector(facet.map(|v| positions[v as usize]))).sum()
 }
 
 #[cfg(test)]
 mod tests {
     use std::f64::consts::PI;
-
-    use approx::assert_relative_eq;
 
     use super::*;
     use crate::mesh::ShellSettings;
@@ -216,7 +190,7 @@ mod tests {
             let settings = ShellSettings { tip_fraction, ..ShellSettings::default() };
             let mesh = ShellMesh::new(TriangleMesh::sphere(10.0, 2), &settings).unwrap();
             let facets = tip_facets(&(&mesh).into());
-            (mesh.tip.len(), facets.len(), area_vector(&facets, &mesh.surface.positions))
+            (mesh.tip.len(), facets.len(), area_of_all(&facets, &mesh.surface.positions))
         };
         let (vertices, facets, direction) = tip_of(1e-9);
         assert!(vertices <= 2 && facets >= 5, "{vertices} vertices, {facets} facets");
@@ -224,18 +198,5 @@ mod tests {
         // Half the sphere: a disk's area, less what the coarse triangles lose.
         let (_, _, direction) = tip_of(0.5);
         assert!(direction.z > 0.8 * 100.0 * PI && direction.z < 100.0 * PI, "{direction}");
-    }
-
-    /// A direction that turns past 180 degrees keeps growing although `atan2` of a length folds back, and it shrinks
-    /// again on the way home.
-    #[test]
-    fn angles_go_on_past_half_a_turn() {
-        let mut turning = Turning::default();
-        let way = (0..=18).chain((0..18).rev());
-        for exact in way.map(|step| f64::from(step) * PI / 10.5) {
-            let across = Vec3::new(0.6, 0.8, 0.0) * exact.sin();
-            let angle = turning.angle(across, exact.cos());
-            assert_relative_eq!(angle, exact, epsilon = 1e-12);
-        }
     }
 }

@@ -14,8 +14,7 @@
 
 use std::fmt::Write;
 
-use super::solid_case::{SolidCase, number};
-use crate::model::material::Rubber;
+use super::solid_case::{LawWithCard, SolidCase, list, number};
 
 /// Where the solver writes the tip, beside the file.
 pub const TIP_FILE: &str = "solid_febio_tip.txt";
@@ -76,21 +75,15 @@ pub fn deck(case: &SolidCase<'_>) -> String {
 /// As a share of the whole pressure.
 const LEAST_STEP: f64 = 1e-6;
 
-/// Numbers that count from 0, as numbers that count from 1.
-fn list(items: &[u32]) -> String {
-    let items: Vec<String> = items.iter().map(|item| (item + 1).to_string()).collect();
-    items.join(",")
-}
-
-fn material(law: &Rubber, bulk_modulus: f64) -> String {
+fn material(law: &LawWithCard, bulk_modulus: f64) -> String {
     let named = |name: &str, values: Vec<f64>| -> Vec<(String, f64)> {
         (1..).zip(values).map(|(k, value)| (format!("{name}{k}"), value)).collect()
     };
     let (kind, numbers) = match law {
-        Rubber::NeoHookean(law) => ("Mooney-Rivlin", named("c", vec![0.5 * law.mu, 0.0])),
-        Rubber::MooneyRivlin(law) => ("Mooney-Rivlin", named("c", vec![law.c1, law.c2])),
-        Rubber::Yeoh(law) => ("Yeoh", named("c", law.c.to_vec())),
-        Rubber::Ogden(law) => {
+        LawWithCard::NeoHookean(law) => ("Mooney-Rivlin", named("c", vec![0.5 * law.mu, 0.0])),
+        LawWithCard::MooneyRivlin(law) => ("Mooney-Rivlin", named("c", vec![law.c1, law.c2])),
+        LawWithCard::Yeoh(law) => ("Yeoh", named("c", law.c.to_vec())),
+        LawWithCard::Ogden(law) => {
             let factors = named("c", law.terms().map(|term| 2.0 * term.mu).collect());
             let exponents = named("m", law.terms().map(|term| term.alpha).collect());
             ("Ogden", [factors, exponents].concat())
@@ -115,7 +108,7 @@ mod tests {
     #[test]
     fn ogden_has_twice_the_moduli() {
         let terms = [OgdenTerm { mu: 1.5, alpha: -2.0 }, OgdenTerm { mu: -0.25, alpha: 4.0 }];
-        let text = material(&Rubber::Ogden(Ogden::new(&terms)), 8.0);
+        let text = material(&LawWithCard::Ogden(Ogden::new(&terms)), 8.0);
         let material = roxmltree::Document::parse(&text).unwrap();
         let value = |name: &str| -> f64 {
             let node = material.descendants().find(|node| node.has_tag_name(name)).unwrap();

@@ -36,4 +36,4 @@ pub use error::{InputError, OutputError};
 pub use lock::FolderLock;
 pub use marks::GroupKey;
 pub use own_solid::{ChamberChoice, ChamberFound, OwnSolid};
-pub use solid_case::SolidCase;
+pub use solid_case::{LawWithCard, NoCard, SolidCase};

@@ -7,7 +7,56 @@
 use std::collections::HashMap;
 
 use crate::mesh::SolidMesh;
-use crate::model::material::Rubber;
+use crate::model::material::{MooneyRivlin, NeoHookean, Ogden, Rubber, Yeoh};
+
+/// A law that CalculiX and FEBio have too, so that a deck has a card for it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LawWithCard {
+    /// [`NeoHookean`].
+    NeoHookean(NeoHookean),
+    /// [`MooneyRivlin`].
+    MooneyRivlin(MooneyRivlin),
+    /// [`Yeoh`].
+    Yeoh(Yeoh),
+    /// [`Ogden`].
+    Ogden(Ogden),
+}
+
+/// A law of ours that CalculiX and FEBio do not have, by its name in files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "[material] law = \"{0}\" cannot be written into a deck: CalculiX and FEBio have no such law; they have neo_hookean, mooney_rivlin, yeoh and ogden"
+)]
+pub struct NoCard(pub &'static str);
+
+impl TryFrom<&Rubber> for LawWithCard {
+    type Error = NoCard;
+
+    fn try_from(law: &Rubber) -> Result<Self, NoCard> {
+        match law.clone() {
+            Rubber::NeoHookean(law) => Ok(Self::NeoHookean(law)),
+            Rubber::MooneyRivlin(law) => Ok(Self::MooneyRivlin(law)),
+            Rubber::Yeoh(law) => Ok(Self::Yeoh(law)),
+            Rubber::Ogden(law) => Ok(Self::Ogden(law)),
+            // A law that is added to the list of rubbers needs no card.
+            #[allow(unreachable_patterns, reason = "laws may be added")]
+            _ => Err(NoCard(law.name())),
+        }
+    }
+}
+
+impl LawWithCard {
+    /// Its name in the literature.
+    #[must_use]
+    pub fn in_words(&self) -> &'static str {
+        match self {
+            Self::NeoHookean(_) => "neo-Hooke",
+            Self::MooneyRivlin(_) => "Mooney-Rivlin",
+            Self::Yeoh(_) => "Yeoh",
+            Self::Ogden(_) => "Ogden",
+        }
+    }
+}
 
 /// One load case. Nodes and cells are numbered from 1 in files, in the order of the mesh.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +66,7 @@ pub struct SolidCase<'a> {
     /// The wall, mm.
     pub mesh: &'a SolidMesh,
     /// Its resistance to changes of shape.
-    pub law: &'a Rubber,
+    pub law: &'a LawWithCard,
     /// Its resistance to changes of volume, MPa.
     pub bulk_modulus: f64,
     /// Of the law with it, at rest.
@@ -68,6 +117,12 @@ impl SolidCase<'_> {
     }
 }
 
+/// Numbers that count from 0, as numbers that count from 1.
+pub(super) fn list(items: &[u32]) -> String {
+    let items: Vec<String> = items.iter().map(|item| (item + 1).to_string()).collect();
+    items.join(",")
+}
+
 /// A number in at most 19 characters, of which CalculiX reads 20.
 pub(super) fn number(value: f64) -> String {
     format!("{value:.11e}")
@@ -79,7 +134,18 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::TET_EDGES;
     use crate::mesh::tetrahedra::test_walls::{of_prisms, spheres};
-    use crate::model::material::NeoHookean;
+    use crate::model::material::rubbers;
+
+    /// Each law of ours has a card, and is among those that the refusal names, or is refused by its name.
+    #[test]
+    fn laws_have_a_card_or_are_refused() {
+        for law in rubbers() {
+            let name = law.name();
+            let line = NoCard(name).to_string();
+            let is_known = line.matches(name).count() > 1;
+            assert_eq!(LawWithCard::try_from(&law).err(), (!is_known).then_some(NoCard(name)));
+        }
+    }
 
     /// Faces are named so that their normals leave the tetrahedron.
     #[test]
@@ -96,7 +162,7 @@ mod tests {
     #[test]
     fn chamber_faces_are_found_in_their_cells() {
         let mesh = SolidMesh::straight(&of_prisms(&spheres(10.0, 8.0, 1)));
-        let law = Rubber::NeoHookean(NeoHookean { mu: 1.0 });
+        let law = LawWithCard::NeoHookean(NeoHookean { mu: 1.0 });
         let case = SolidCase {
             title: "sphere",
             mesh: &mesh,

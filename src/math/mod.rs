@@ -1,10 +1,18 @@
 //! The floor: words that any room may use.
 
+mod box3;
+mod box_tree;
 mod cpu_time;
+mod disjoint_sets;
+mod geometry;
 pub mod random;
 mod rejected;
 
+pub use box_tree::{BoxTree, Node};
+pub use box3::Box3;
 pub use cpu_time::cpu_seconds;
+pub use disjoint_sets::DisjointSets;
+pub use geometry::{angle_between, area_vector};
 pub use rejected::{Rejected, Room};
 
 /// A point or vector in space, mm.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::evolve::pareto_dominates;
 use crate::io;
 
 /// One mark of a published figure.
@@ -86,10 +87,10 @@ pub fn dominated(figure_of_merit: f64, max_force: f64, stiffness: f64) -> (usize
 
 /// How many of `others` the design `at` (figure of merit, force) is better than.
 fn count(others: &[Published], at: [f64; 2]) -> usize {
-    let is_dominated = |other: &&Published| {
-        let other = [other.figure_of_merit, other.max_force];
-        at[0] >= other[0] && at[1] >= other[1] && at != other
-    };
+    // Both are made large.
+    let ours = at.map(|value| -value);
+    let is_dominated =
+        |other: &&Published| pareto_dominates(&ours, &[-other.figure_of_merit, -other.max_force]);
     others.iter().filter(is_dominated).count()
 }
 

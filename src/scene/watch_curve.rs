@@ -4,6 +4,7 @@
 //! whole curve, load and value each over the largest of the reference.
 
 use super::verify_section::Reference;
+use crate::solve::hermite_basis;
 
 /// A watched number along a path, and between its states by cubics through values and slopes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,12 +51,8 @@ impl WatchCurve {
         let a = self.points[after - 1];
         let h = b.load - a.load;
         let s = (load - a.load) / h;
-        let (s2, s3) = (s * s, s * s * s);
-        Some(
-            a.value
-                + (b.value - a.value) * (3.0 * s2 - 2.0 * s3)
-                + h * (a.rate * (s3 - 2.0 * s2 + s) + b.rate * (s3 - s2)),
-        )
+        let [rise, leave, arrive] = hermite_basis(s);
+        Some(a.value + (b.value - a.value) * rise + h * (a.rate * leave + b.rate * arrive))
     }
 
     /// How far the curve is from `reference`; the first load that it does not reach, where there is one.
@@ -118,10 +115,8 @@ impl WatchCurve {
             let [from, to] =
                 [&pair[0], &pair[1]].map(|p| along(p.rate * scale[0] / scale[1], chord));
             polyline.extend((1..=PIECES).map(|k| {
-                let s = k as f64 / PIECES as f64;
-                let (s2, s3) = (s * s, s * s * s);
-                let (blend, leave, arrive) = (3.0 * s2 - 2.0 * s3, s3 - 2.0 * s2 + s, s3 - s2);
-                [0, 1].map(|i| a[i] + blend * chord[i] + leave * from[i] + arrive * to[i])
+                let [rise, leave, arrive] = hermite_basis(k as f64 / PIECES as f64);
+                [0, 1].map(|i| a[i] + rise * chord[i] + leave * from[i] + arrive * to[i])
             }));
         }
         polyline

@@ -15,6 +15,7 @@ use super::krylov::{KrylovReport, solve_unsymmetric};
 use super::line_search::{self, RESIDUAL_GROWTH};
 use super::path::PathPoint;
 use super::supply::Supply;
+use super::vectors::{all_finite, dot};
 use super::{EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
 use crate::model::system::LoadedSystem;
 
@@ -64,7 +65,7 @@ pub(super) fn solve(
     let (mut residual, mut trial_residual) = (vec![0.0; n], vec![0.0; n]);
     let mut trial = vec![0.0; n];
     system.set_load(*load);
-    if system.residual(x, &mut residual).is_err() || !is_finite(&residual) {
+    if system.residual(x, &mut residual).is_err() || !all_finite(&residual) {
         return Ok(report);
     }
     loop {
@@ -112,7 +113,7 @@ pub(super) fn solve(
         for (dx, by_load) in dx.iter_mut().zip(&by_load) {
             *dx += dload * by_load;
         }
-        if !dload.is_finite() || !is_finite(&dx) {
+        if !dload.is_finite() || !all_finite(&dx) {
             report.ending = NewtonEnding::Singular;
             return Ok(report);
         }
@@ -124,7 +125,7 @@ pub(super) fn solve(
                 *trial = x + length * dx;
             }
             system.set_load(*load + length * dload);
-            if system.residual(&trial, &mut trial_residual).is_ok() && is_finite(&trial_residual) {
+            if system.residual(&trial, &mut trial_residual).is_ok() && all_finite(&trial_residual) {
                 admissible = true;
                 if dot(&trial_residual, &trial_residual).sqrt()
                     <= RESIDUAL_GROWTH * report.residual_norm.max(threshold)
@@ -223,12 +224,4 @@ impl Row<'_> {
         let total = self.by_load + self.by_conjugate * conjugate_rate;
         self.arc.is_none().then_some(usize::from(total < 0.0))
     }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn is_finite(values: &[f64]) -> bool {
-    values.iter().all(|value| value.is_finite())
 }

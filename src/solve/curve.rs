@@ -14,6 +14,7 @@ use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step};
 use super::path::PathPoint;
 use super::supply::Supply;
+use super::vectors::norm;
 use super::walk::{State, Walk, best_prediction};
 use super::{NewtonEnding, SolverFailure};
 
@@ -83,7 +84,7 @@ impl Arc {
     /// The arc from the last point of a walk, in the direction of a growing share of the load.
     fn from_last(walk: &Walk<'_>, end: f64, dload: f64) -> Self {
         let mut last = walk.last().clone();
-        let speed = bordered::dot(&last.rate, &last.rate).sqrt();
+        let speed = norm(&last.rate);
         let metric = Metric { state: speed * end.abs(), load: end.abs() };
         let sense = end.signum();
         normalise(&mut last, &metric, sense);

@@ -6,11 +6,8 @@
 //!
 //! Multipliers are not held back: they do not move, they only bear on what does.
 
-use std::ops::Range;
-
-use crate::model::system::{
-    Inadmissible, Layout, Limit, LoadedSystem, Memory, SparsityPattern, System,
-};
+use super::decorator::Decorator;
+use crate::model::system::{Inadmissible, LoadedSystem};
 
 /// A system on a viscous bed that lets it rest at `anchor`.
 pub(super) struct Damped<'a> {
@@ -38,9 +35,15 @@ impl Damped<'_> {
     }
 }
 
-impl System for Damped<'_> {
-    fn pattern(&self) -> &SparsityPattern {
-        self.system.pattern()
+impl<'a> Decorator for Damped<'a> {
+    type Inner = dyn LoadedSystem + 'a;
+
+    fn inner(&self) -> &Self::Inner {
+        self.system
+    }
+
+    fn inner_mut(&mut self) -> &mut Self::Inner {
+        self.system
     }
 
     fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
@@ -68,87 +71,5 @@ impl System for Damped<'_> {
             }
         }
         Ok(energy + self.energy_of_bed(x))
-    }
-
-    fn longest_step(&self, x: &[f64], dx: &[f64]) -> f64 {
-        self.system.longest_step(x, dx)
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.system.force_scale()
-    }
-
-    fn energy_rounding(&self) -> f64 {
-        self.system.energy_rounding()
-    }
-
-    fn is_conservative(&self) -> bool {
-        self.system.is_conservative()
-    }
-
-    fn add_circulatory_tangent(&self, x: &[f64], v: &[f64], out: &mut [f64]) {
-        self.system.add_circulatory_tangent(x, v, out);
-    }
-
-    fn make_room(&mut self, x: &[f64]) -> bool {
-        self.system.make_room(x)
-    }
-
-    fn multipliers(&self) -> Range<usize> {
-        self.system.multipliers()
-    }
-
-    fn stable_negative_pivots(&self) -> usize {
-        self.system.stable_negative_pivots()
-    }
-
-    fn layout(&self) -> Option<Layout> {
-        self.system.layout()
-    }
-
-    fn set_share(&mut self, share: Option<&[bool]>) {
-        self.system.set_share(share);
-    }
-}
-
-impl LoadedSystem for Damped<'_> {
-    fn set_load(&mut self, load: f64) {
-        self.system.set_load(load);
-    }
-
-    fn conjugate(&self, x: &[f64]) -> f64 {
-        self.system.conjugate(x)
-    }
-
-    fn load_direction(&self, x: &[f64], direction: &mut [f64]) {
-        self.system.load_direction(x, direction);
-    }
-
-    fn settle(&mut self, x: &[f64]) -> f64 {
-        self.system.settle(x)
-    }
-
-    fn memory(&self) -> Memory {
-        self.system.memory()
-    }
-
-    fn recall(&mut self, x: &[f64], memory: &Memory) {
-        self.system.recall(x, memory);
-    }
-
-    fn refresh(&mut self, x: &[f64]) -> f64 {
-        self.system.refresh(x)
-    }
-
-    fn rewind(&mut self) {
-        self.system.rewind();
-    }
-
-    fn dissipates(&self) -> bool {
-        self.system.dissipates()
-    }
-
-    fn passed_limit(&self, x: &[f64]) -> Option<Limit> {
-        self.system.passed_limit(x)
     }
 }

@@ -1,7 +1,7 @@
 //! Between two points of a path, and a step ahead of them: Hermite's cubics through states and rates.
 
-use super::bordered::dot;
 use super::path::PathPoint;
+use super::vectors::dot;
 
 /// A step of state and load along the tangent.
 pub(super) fn tangent_step(last: &PathPoint, step: f64) -> (Vec<f64>, f64) {
@@ -12,11 +12,9 @@ pub(super) fn tangent_step(last: &PathPoint, step: f64) -> (Vec<f64>, f64) {
 pub(super) fn cubic_step(before: &PathPoint, last: &PathPoint, step: f64) -> (Vec<f64>, f64) {
     let h = last.drive - before.drive;
     let s = (h + step) / h;
-    // Hermite's basis at s, less its value at s = 1.
-    let (s2, s3) = (s * s, s * s * s);
-    let at_before = 2.0 * s3 - 3.0 * s2 + 1.0;
-    let rate_before = h * (s3 - 2.0 * s2 + s);
-    let rate_last = h * (s3 - s2);
+    // From the last state on, so that nothing large cancels.
+    let [rise, leave, arrive] = hermite_basis(s);
+    let (at_before, rate_before, rate_last) = (1.0 - rise, h * leave, h * arrive);
     let at = |a: f64, b: f64, rate_a: f64, rate_b: f64| {
         at_before * (a - b) + rate_before * rate_a + rate_last * rate_b
     };
@@ -75,6 +73,14 @@ impl Segment {
     }
 }
 
+/// Hermite's basis at `s`: the factors of the difference between the ends of a cubic over 0 to 1, of
+/// its slope at 0 and of its slope at 1. Beyond that range it extrapolates.
+#[must_use]
+pub fn hermite_basis(s: f64) -> [f64; 3] {
+    let (s2, s3) = (s * s, s * s * s);
+    [3.0 * s2 - 2.0 * s3, s3 - 2.0 * s2 + s, s3 - s2]
+}
+
 /// A cubic over 0 to 1 by its ends and slopes there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cubic {
@@ -90,8 +96,8 @@ impl Cubic {
     pub fn at(&self, s: f64) -> f64 {
         let [a, b] = self.ends;
         let [da, db] = self.slopes;
-        let (s2, s3) = (s * s, s * s * s);
-        a + (b - a) * (3.0 * s2 - 2.0 * s3) + da * (s3 - 2.0 * s2 + s) + db * (s3 - s2)
+        let [rise, leave, arrive] = hermite_basis(s);
+        a + (b - a) * rise + da * leave + db * arrive
     }
 
     /// The derivative at `s`.

@@ -11,6 +11,7 @@
 
 use std::cmp::Ordering;
 
+use super::vectors::dot;
 use super::{EquilibriumSolver, SolverFailure};
 use crate::model::system::System;
 
@@ -106,10 +107,6 @@ pub fn solve_unsymmetric(
 const TOLERANCE: f64 = 1e-10;
 /// Follower forces act on few nodes in much the same way: a dozen directions is usual.
 const MOST_ITERATIONS: usize = 60;
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
 
 fn add(sum: &mut [f64], factor: f64, vector: &[f64]) {
     sum.iter_mut().zip(vector).for_each(|(sum, vector)| *sum += factor * vector);

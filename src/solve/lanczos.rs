@@ -15,6 +15,8 @@ use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::vectors::dot;
+
 /// The number of negative eigenvalues of `T` that are found, for a tangent of this `order` with these `multipliers`.
 ///
 /// `solve(b)` overwrites `b [n]` by `K^-1 b`, to [`TOLERANCE`] of its size; what goes wrong in it ends the count.
@@ -73,10 +75,6 @@ pub(super) const TOLERANCE: f64 = 1e-3;
 const STEPS: usize = 12;
 /// Shares of the largest value of `T` that are not waited for: what is lost by more than 25 times the stiffness of what is softest may be missed.
 const STIFF: f64 = 0.04;
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,7 @@ mod backend;
 mod bordered;
 mod curve;
 mod damped;
+mod decorator;
 mod ending;
 mod factor;
 mod hermite;
@@ -32,6 +33,7 @@ mod stop;
 mod supply;
 #[cfg(test)]
 mod test_systems;
+mod vectors;
 mod walk;
 
 use schemars::JsonSchema;
@@ -41,7 +43,7 @@ use crate::model::system::System;
 
 pub use backend::{Backend, LinearMethod};
 pub use ending::Ending;
-pub use hermite::{Cubic, Segment};
+pub use hermite::{Cubic, Segment, hermite_basis};
 pub use job::{Job, Message, confined};
 pub use krylov::{KrylovReport, solve_unsymmetric};
 pub use linear::linear_path;

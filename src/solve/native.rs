@@ -18,6 +18,7 @@ use super::line_search;
 use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
 use super::shift::{mean_diagonal, shifts};
+use super::vectors::{all_finite, dot, norm};
 use super::{
     EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes, SolverFailure,
 };
@@ -378,18 +379,6 @@ fn lower_columns(pattern: &SparsityPattern) -> Vec<Range<usize>> {
         stored.start + diagonal..stored.end
     };
     (0..pattern.order()).map(lower).collect()
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn all_finite(values: &[f64]) -> bool {
-    values.iter().all(|value| value.is_finite())
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! A system with a clock, and a note of whether the line search found it defined anywhere.
 
-use std::ops::Range;
-
+use super::decorator::Decorator;
 use crate::math::cpu_seconds;
-use crate::model::system::{Inadmissible, Layout, SparsityPattern, System};
+use crate::model::system::{Inadmissible, System};
 
-/// Forwards to a system, adding up what its evaluations cost.
+/// A system as it is, adding up what its evaluations cost.
 pub(super) struct Observed<'a> {
     system: &'a mut dyn System,
     seconds: f64,
@@ -49,9 +48,15 @@ impl<'a> Observed<'a> {
     }
 }
 
-impl System for Observed<'_> {
-    fn pattern(&self) -> &SparsityPattern {
-        self.system.pattern()
+impl<'a> Decorator for Observed<'a> {
+    type Inner = dyn System + 'a;
+
+    fn inner(&self) -> &Self::Inner {
+        self.system
+    }
+
+    fn inner_mut(&mut self) -> &mut Self::Inner {
+        self.system
     }
 
     fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
@@ -73,43 +78,7 @@ impl System for Observed<'_> {
         self.timed(|system| system.tangent(x, residual, tangent))
     }
 
-    fn longest_step(&self, x: &[f64], dx: &[f64]) -> f64 {
-        self.system.longest_step(x, dx)
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.system.force_scale()
-    }
-
-    fn energy_rounding(&self) -> f64 {
-        self.system.energy_rounding()
-    }
-
     fn make_room(&mut self, x: &[f64]) -> bool {
         self.timed(|system| system.make_room(x))
-    }
-
-    fn multipliers(&self) -> Range<usize> {
-        self.system.multipliers()
-    }
-
-    fn layout(&self) -> Option<Layout> {
-        self.system.layout()
-    }
-
-    fn set_share(&mut self, share: Option<&[bool]>) {
-        self.system.set_share(share);
-    }
-
-    fn stable_negative_pivots(&self) -> usize {
-        self.system.stable_negative_pivots()
-    }
-
-    fn is_conservative(&self) -> bool {
-        self.system.is_conservative()
-    }
-
-    fn add_circulatory_tangent(&self, x: &[f64], v: &[f64], out: &mut [f64]) {
-        self.system.add_circulatory_tangent(x, v, out);
     }
 }

@@ -12,12 +12,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::bordered::dot;
 use super::damped::Damped;
 use super::ending::Ending;
 use super::hermite::{work_at_once, work_by_conjugate};
 use super::path::PathPoint;
 use super::shift::mean_diagonal;
+use super::vectors::dot;
 use super::walk::{State, Walk};
 use super::{NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
 

@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use super::decorator::Decorator;
 use crate::model::system::{Inadmissible, SparsityPattern, System};
 
 /// A chain of unknowns: a term on each, a term on each difference of neighbours, `x[-1] = 0` if held.
@@ -170,9 +171,15 @@ impl<S> Changed<S> {
     }
 }
 
-impl<S: System> System for Changed<S> {
-    fn pattern(&self) -> &SparsityPattern {
-        self.system.pattern()
+impl<S: System> Decorator for Changed<S> {
+    type Inner = S;
+
+    fn inner(&self) -> &S {
+        &self.system
+    }
+
+    fn inner_mut(&mut self) -> &mut S {
+        &mut self.system
     }
 
     fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
@@ -195,10 +202,6 @@ impl<S: System> System for Changed<S> {
         (self.residual)(residual);
         (self.tangent)(tangent)?;
         (self.energy)(energy, x)
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.system.force_scale()
     }
 }
 

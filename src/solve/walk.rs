@@ -9,6 +9,7 @@ use super::krylov::solve_unsymmetric;
 use super::path::{PathPoint, PathSettings};
 use super::stop::Stop;
 use super::supply::Supply;
+use super::vectors::dot;
 use super::{EquilibriumSolver, NewtonReport, NewtonSettings, SolverFailure};
 use crate::model::system::{LoadedSystem, Memory};
 
@@ -333,7 +334,7 @@ impl Walk<'_> {
         let mut direction = vec![0.0; moved.len()];
         let mut along = |point: &PathPoint| {
             self.system.load_direction(&point.x, &mut direction);
-            point.load * bordered::dot(&direction, &moved)
+            point.load * dot(&direction, &moved)
         };
         0.5 * (along(a) + along(b))
     }
@@ -448,7 +449,7 @@ impl Walk<'_> {
             dissipated: self.points.last().map_or(0.0, |last| last.dissipated),
             x: x.clone(),
             memory: Memory::default(),
-            conjugate_rate: bordered::dot(&direction, &rate),
+            conjugate_rate: dot(&direction, &rate),
             rate,
             load_rate: 1.0,
             negative_pivots: negative.saturating_sub(stable),
@@ -500,7 +501,7 @@ pub(super) fn best_prediction(
         let load = start.load + length * dload;
         system.set_load(load);
         if system.residual(&x, &mut residual).is_ok() {
-            let size = bordered::dot(&residual, &residual);
+            let size = dot(&residual, &residual);
             if size < smallest {
                 (smallest, best) = (size, State { x, load });
             }

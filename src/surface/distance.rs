@@ -11,7 +11,7 @@
 //! Comput. Graph. 11:243-253; Ericson (2005), Real-time collision detection, section 5.1.5, for the nearest point.
 
 use crate::field::ScalarField;
-use crate::math::Vec3;
+use crate::math::{Vec3, angle_between};
 
 use super::facet_tree::{Facet, FacetTree};
 use super::half_edges::{next, previous};
@@ -36,7 +36,8 @@ impl SignedDistance {
     /// The lower and upper corner of the box around the surface, mm.
     #[must_use]
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        self.tree.bounds()
+        let around = self.tree.bounds();
+        (around.low, around.high)
     }
 
     /// The distance at `point`, known to be at most `bound` in size, and its gradient.
@@ -69,8 +70,8 @@ fn facets(mesh: &TriangleMesh) -> Result<Vec<Facet>, MeshDefect> {
     let normal_left_of = |h: u32| face_normals[h as usize / 3];
     let position = |h: u32| mesh.positions[surface.origin(h) as usize];
     let angle_at = |h: u32| {
-        let sides = [next(h), previous(h)].map(|g| position(g) - position(h));
-        sides[0].cross(&sides[1]).norm().atan2(sides[0].dot(&sides[1]))
+        let [a, b] = [next(h), previous(h)].map(|g| position(g) - position(h));
+        angle_between(a, b)
     };
     let corner_normals: Vec<Vec3> = (0..mesh.positions.len() as u32)
         .map(|v| surface.spokes(v).map(|h| angle_at(h) * normal_left_of(h)).sum())

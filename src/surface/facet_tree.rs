@@ -2,33 +2,18 @@
 //!
 //! Source: Ericson (2005), Real-time collision detection, section 5.1.5.
 
-use crate::math::Vec3;
+use crate::math::{Box3, BoxTree, Vec3};
 
 /// Triangles, or segments as triangles with two equal corners, sorted by where they are.
 #[derive(Clone, Debug)]
 pub(super) struct FacetTree {
-    /// Boxes in depth-first order: the first child of a branch follows it.
-    boxes: Vec<TreeBox>,
+    tree: BoxTree,
+    /// Around the facets of each node.
+    boxes: Vec<Box3>,
     /// Corners of the facets, in the order of the leaves.
     corners: Vec<[Vec3; 3]>,
     /// Normals of each facet's face, edges 01, 12, 20 and corners 0, 1, 2; not of unit length.
     pub(super) normals: Vec<[Vec3; 7]>,
-}
-
-/// The box around some facets.
-#[derive(Clone, Copy, Debug)]
-struct TreeBox {
-    lower: Vec3,
-    upper: Vec3,
-    content: Content,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Content {
-    /// The place of the second child.
-    Branch(u32),
-    /// The range of facets.
-    Leaf(u32, u32),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -56,36 +41,45 @@ impl FacetTree {
     /// # Panics
     /// When there is no facet.
     pub(super) fn new(mut facets: Vec<Facet>) -> Self {
-        let mut boxes = Vec::with_capacity(facets.len());
-        grow(&mut facets, 0, &mut boxes);
+        assert!(!facets.is_empty(), "there are facets");
+        let tree = BoxTree::new(facets.len(), LEAF_SIZE);
+        let mut boxes = vec![Box3::around([]); tree.nodes()];
+        let centre =
+            |facet: &Facet, axis| facet.corners.iter().map(|corner| corner[axis]).sum::<f64>();
+        tree.sort(
+            &mut facets,
+            &mut |node, facets| {
+                let corners = facets.iter().flat_map(|facet| facet.corners);
+                boxes[node.index()] = Box3::around(corners);
+                boxes[node.index()]
+            },
+            &|a, b, axis| centre(a, axis).total_cmp(&centre(b, axis)),
+        );
         let (corners, normals) =
             facets.into_iter().map(|facet| (facet.corners, facet.normals)).unzip();
-        Self { boxes, corners, normals }
+        Self { tree, boxes, corners, normals }
     }
 
-    /// The lower and upper corner of the box around all, mm.
-    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
-        (self.boxes[0].lower, self.boxes[0].upper)
+    /// The box around all, mm.
+    pub(super) fn bounds(&self) -> Box3 {
+        self.boxes[0]
     }
 
     /// The nearest point among those nearer than `bound`, which must exist.
     pub(super) fn nearest(&self, point: Vec3, bound: f64) -> Nearest {
         let start = (bound * (1.0 + SLACK) + SLACK).powi(2);
-        let mut best = Nearest {
-            squared_distance: start,
-            point: self.boxes[0].lower,
-            facet: 0,
-            feature: FACE,
-        };
+        let mut best =
+            Nearest { squared_distance: start, point: self.boxes[0].low, facet: 0, feature: FACE };
         let mut open = Vec::with_capacity(DEEPEST);
-        open.push((0, self.boxes[0].squared_distance(point)));
-        while let Some((at, squared_distance)) = open.pop() {
+        let root = self.tree.root().expect("there are facets");
+        open.push((root, self.boxes[0].squared_distance(point)));
+        while let Some((node, squared_distance)) = open.pop() {
             if squared_distance >= best.squared_distance {
                 continue;
             }
-            match self.boxes[at].content {
-                Content::Leaf(first, end) => {
-                    for facet in first as usize..end as usize {
+            match self.tree.children(node) {
+                None => {
+                    for facet in node.items() {
                         let (nearest, feature) = nearest_on_triangle(point, self.corners[facet]);
                         let squared_distance = (point - nearest).norm_squared();
                         if squared_distance < best.squared_distance {
@@ -93,46 +87,15 @@ impl FacetTree {
                         }
                     }
                 }
-                Content::Branch(second) => {
-                    let children = [at + 1, second as usize]
-                        .map(|child| (child, self.boxes[child].squared_distance(point)));
-                    let [a, b] = children;
+                Some(children) => {
+                    let [a, b] = children
+                        .map(|child| (child, self.boxes[child.index()].squared_distance(point)));
                     open.extend(if a.1 <= b.1 { [b, a] } else { [a, b] });
                 }
             }
         }
         best
     }
-}
-
-impl TreeBox {
-    fn squared_distance(&self, point: Vec3) -> f64 {
-        (self.lower - point).sup(&(point - self.upper)).sup(&Vec3::zeros()).norm_squared()
-    }
-}
-
-/// Sorts `facets`, the first of which is number `first`, into halves along the longer side of their box, and appends the boxes.
-fn grow(facets: &mut [Facet], first: u32, boxes: &mut Vec<TreeBox>) {
-    let (lower, upper) = facets
-        .iter()
-        .flat_map(|facet| facet.corners)
-        .map(|corner| (corner, corner))
-        .reduce(|(lower, upper), (p, _)| (lower.inf(&p), upper.sup(&p)))
-        .expect("there are facets");
-    let at = boxes.len();
-    let leaf = Content::Leaf(first, first + facets.len() as u32);
-    boxes.push(TreeBox { lower, upper, content: leaf });
-    if facets.len() <= LEAF_SIZE {
-        return;
-    }
-    let axis = (upper - lower).imax();
-    let centre = |facet: &Facet| facet.corners.iter().map(|corner| corner[axis]).sum::<f64>();
-    let half = facets.len() / 2;
-    facets.select_nth_unstable_by(half, |a, b| centre(a).total_cmp(&centre(b)));
-    let (left, right) = facets.split_at_mut(half);
-    grow(left, first, boxes);
-    boxes[at].content = Content::Branch(boxes.len() as u32);
-    grow(right, first + half as u32, boxes);
 }
 
 /// The point of the triangle nearest to `p`, and what it lies on.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::math::Vec3;
+use crate::math::{Vec3, angle_between};
 
 use super::{HalfEdges, MeshDefect, TriangleMesh};
 
@@ -62,7 +62,7 @@ impl SurfaceQuality {
             (0..mesh.triangles.len()).map(|t| radius_ratio(mesh.corners(t))).collect();
         let bend = |h: u32| {
             let [m, n] = [h, surface.twin(h)].map(|h| mesh.area_vector(h as usize / 3));
-            m.cross(&n).norm().atan2(m.dot(&n)).to_degrees()
+            angle_between(m, n).to_degrees()
         };
 
         let mut valence_counts = vec![];

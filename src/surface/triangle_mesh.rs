@@ -1,6 +1,6 @@
 //! An indexed triangle surface.
 
-use crate::math::Vec3;
+use crate::math::{DisjointSets, Vec3, area_vector};
 
 use super::{HalfEdges, MeshDefect};
 
@@ -49,8 +49,7 @@ impl TriangleMesh {
     /// The outward normal of triangle `t` times its area, mm^2.
     #[must_use]
     pub fn area_vector(&self, t: usize) -> Vec3 {
-        let [a, b, c] = self.corners(t);
-        (b - a).cross(&(c - a)) / 2.0
+        area_vector(self.corners(t))
     }
 
     /// The area-weighted unit normal at each vertex, `[vertices]`; zero where the areas cancel.
@@ -81,22 +80,12 @@ impl TriangleMesh {
     /// Triangles are connected when they share a vertex.
     #[must_use]
     pub fn components(&self) -> Vec<u32> {
-        let mut parents: Vec<u32> = (0..self.positions.len() as u32).collect();
+        let mut sets = DisjointSets::new(self.positions.len());
         for &[a, b, c] in &self.triangles {
-            for (v, w) in [(a, b), (a, c)] {
-                let (v, w) = (root(&mut parents, v), root(&mut parents, w));
-                parents[v.max(w) as usize] = v.min(w);
-            }
+            sets.join(a, b);
+            sets.join(a, c);
         }
-        let mut numbers = vec![None; self.positions.len()];
-        let mut count = 0;
-        let number = |triangle: &[u32; 3]| {
-            *numbers[root(&mut parents, triangle[0]) as usize].get_or_insert_with(|| {
-                count += 1;
-                count - 1
-            })
-        };
-        self.triangles.iter().map(number).collect()
+        sets.numbers(self.triangles.iter().map(|triangle| triangle[0]))
     }
 
     /// The triangles of both meshes, those of `other` last.
@@ -175,15 +164,6 @@ impl TriangleMesh {
         let [a, b, c] = self.corners(t);
         a.dot(&b.cross(&c)) / 6.0
     }
-}
-
-fn root(parents: &mut [u32], mut v: u32) -> u32 {
-    while parents[v as usize] != v {
-        let grandparent = parents[parents[v as usize] as usize];
-        parents[v as usize] = grandparent;
-        v = grandparent;
-    }
-    v
 }
 
 #[cfg(test)]

@@ -3,35 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::process::{Command, Stdio};
 
+use super::parts::{self, Body, Cell};
 use super::workshop::Workshop;
 
 type Place = [f64; 3];
 
 /// The published seed in coarse cells, hardly bent.
-const SCENE: &str = r#"
-[part]
-network = "network.toml"
-
-[mesh]
-edge = 4.0
-
-[material]
-law = "neo-hookean"
-mu = 1.0
-
-[load]
-pressure = 0.002
-
-[load.path]
-steps = 2
-
-[solid]
-edge = 4.0
-layers = 1
-
-[solver]
-backend = "native"
-"#;
+fn scene() -> String {
+    parts::bent(4.0, 0.002, 2) + "[solid]\nedge = 4.0\nlayers = 1\n"
+}
 
 /// What CalculiX reads of `solid.inp`.
 #[derive(Default)]
@@ -177,7 +157,7 @@ fn check_closed(faces: &[[u32; 3]]) {
 #[test]
 fn decks_hold_the_wall_and_its_chamber() {
     let workshop = Workshop::new();
-    workshop.write("scene.toml", SCENE);
+    workshop.write("scene.toml", scene());
     let said = workshop.succeed(&["deck", "scene.toml", "--out", "deck"]);
     assert!(said.contains("neo-Hooke with a bulk modulus of 49.667 MPa"), "{said}");
     assert!(said.contains("the rubber itself is incompressible"), "{said}");
@@ -287,45 +267,10 @@ fn check_febio(workshop: &Workshop, deck: &Deck, volume: f64) {
     assert!((enclosed / volume + 1.0).abs() < 1e-9, "{enclosed} {volume}");
 }
 
-/// A box of 10 x 8 x 24 mm in cubes of 2 mm, six tetrahedra each, without those of its chamber of 4 x 4 x 20 mm, which lies nearer to
-/// one side.
+/// A box of 10 x 8 x 24 mm in cubes of 2 mm around a chamber of 4 x 4 x 20 mm, which lies nearer to one side.
 fn box_of_tetrahedra() -> String {
-    const CUBES: [usize; 3] = [5, 4, 12];
-    let mut nodes: BTreeMap<[usize; 3], usize> = BTreeMap::new();
-    let mut cells = Vec::new();
-    for cube in (0..CUBES.iter().product()).map(|k: usize| [k % 5, k / 5 % 4, k / 20]) {
-        if (1..3).contains(&cube[0]) && (1..3).contains(&cube[1]) && (1..11).contains(&cube[2]) {
-            continue;
-        }
-        // From the lowest corner to the highest, along the axes in each of their orders.
-        for [a, b, c] in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
-            let mut corner = cube;
-            let mut path = vec![corner];
-            for axis in [a, b, c] {
-                corner[axis] += 1;
-                path.push(corner);
-            }
-            if (a + 1) % 3 != b {
-                path.swap(1, 2);
-            }
-            let mut number = |corner: [usize; 3]| {
-                let next = nodes.len() + 1;
-                *nodes.entry(corner).or_insert(next)
-            };
-            cells.push(
-                path.into_iter().map(|corner| number(corner).to_string()).collect::<Vec<_>>(),
-            );
-        }
-    }
-    let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", nodes.len());
-    for ([x, y, z], number) in &nodes {
-        text += &format!("{number} {} {} {}\n", 2 * x, 2 * y, 2 * z);
-    }
-    text += &format!("$EndNodes\n$Elements\n{}\n", cells.len());
-    for (cell, number) in cells.iter().zip(1..) {
-        text += &format!("{number} 4 2 1 1 {}\n", cell.join(" "));
-    }
-    text + "$EndElements\n"
+    let chamber: Vec<Cell> = (0..40).map(|k| [1 + k % 2, 1 + k / 2 % 2, 1 + k / 4]).collect();
+    Body::without(2.0, [5, 4, 12], &chamber).plain_text()
 }
 
 /// CalculiX and we have the same law and mesh, and cells of the same order that do not lock at this Poisson's ratio of 0.3: what
@@ -432,24 +377,25 @@ fn answers_are_compared_by_their_tips() {
 #[test]
 fn what_cannot_be_written_is_told_in_one_line() {
     let workshop = Workshop::new();
+    let given = scene();
     let refuse = |scene: &str, flags: &[&str], words: &[&str]| {
         workshop.write("scene.toml", scene);
         workshop.refuse(&[&["deck", "scene.toml", "--out", "none"], flags].concat(), 1, words);
     };
     let neo_hookean = "law = \"neo-hookean\"\nmu = 1.0";
     let plate = "law = \"st-venant-kirchhoff\"\nyoung_modulus = 1.0\npoisson_ratio = 0.3";
-    refuse(SCENE, &["--poisson-ratio", "0.5"], &["--poisson-ratio", "0.4999"]);
-    refuse(SCENE, &["--edge", "-1"], &["--edge"]);
-    refuse(SCENE, &["--pressure", "0"], &["--pressure"]);
-    let bulky = SCENE.replace("mu = 1.0", "mu = 1.0\nbulk_modulus = 9.0");
+    refuse(&given, &["--poisson-ratio", "0.5"], &["--poisson-ratio", "0.4999"]);
+    refuse(&given, &["--edge", "-1"], &["--edge"]);
+    refuse(&given, &["--pressure", "0"], &["--pressure"]);
+    let bulky = given.replace("mu = 1.0", "mu = 1.0\nbulk_modulus = 9.0");
     refuse(&bulky, &["--poisson-ratio", "0.4"], &["--poisson-ratio is for incompressible"]);
-    refuse(&SCENE.replace(neo_hookean, plate), &[], &["law of shells alone"]);
-    let plane = format!("{SCENE}\n[[plane]]\nnormal = [1.0, 0.0, 0.0]\ndistance = 5.0\n");
+    refuse(&given.replace(neo_hookean, plate), &[], &["law of shells alone"]);
+    let plane = format!("{given}\n[[plane]]\nnormal = [1.0, 0.0, 0.0]\ndistance = 5.0\n");
     refuse(&plane, &[], &["[[plane]]", "take it away"]);
     let sphere = "[part.sphere]\nradius = 10.0\nsubdivisions = 2\n";
     refuse(sphere, &[], &["[part] has no base"]);
     let terms = "law = \"ogden\"\nterms = [{ mu = 1, alpha = 1 }, { mu = 1, alpha = 2 }, { mu = 1, alpha = 3 }, { mu = 1, alpha = 4 }]";
-    refuse(&SCENE.replace(neo_hookean, terms), &[], &["CalculiX", "not with 4"]);
+    refuse(&given.replace(neo_hookean, terms), &[], &["CalculiX", "not with 4"]);
     workshop.refuse(&["deck", ".", "--out", "none"], 1, &["name of an individual"]);
     workshop.refuse(&["deck", ".", "g000-000", "--out", "none"], 1, &["has no run.toml"]);
     std::fs::create_dir(workshop.path("run")).unwrap();

@@ -1,5 +1,6 @@
 //! What a scene may say of its load, what holds a part, and what is said of a number without a unit.
 
+use super::parts::{STRIP, bent};
 use super::workshop::Workshop;
 
 /// A balloon of neo-Hookean rubber, t/R = 0.01, in a few triangles.
@@ -93,33 +94,14 @@ fn a_load_is_said_once_and_with_its_unit() {
     }
 }
 
-/// A strip of 20 x 4 x 0.5 mm, clamped at x = 0, pulled down at the other end with 1e-6 N/mm: by 0.09 mm, F L^3 / (3 E I).
+/// Pulls the strip down at its other end with 1e-6 N/mm: by 0.09 mm, F L^3 / (3 E I), at a thickness of 0.5 mm.
 const CANTILEVER: &str = r#"
-[part.patch]
-s = [0, 20]
-t = [0, 4]
-cells = [10, 2]
-x = "s"
-y = "t"
-z = "0"
-
-[material]
-law = "neo-hookean"
-mu = 1.0
-
-[[edge]]
-side = "s0"
-clamped = true
-
 [[force]]
 side = "s1"
 per_length = [0, 0, -1e-6]
 
 [load.path]
 steps = 1
-
-[solver]
-backend = "native"
 "#;
 
 /// The clamp carries the force and its moment `-r cross F`; the tip comes back by 3 w^2 / 5 L, 1e-5 of the length. The lattice's
@@ -129,7 +111,7 @@ fn a_cantilever_is_held_by_its_clamp() {
     let workshop = Workshop::new();
     for element in ["loop", "mid-edge"] {
         let wall = format!("[wall]\nthickness = 0.5\nelement = \"{element}\"\n");
-        workshop.write("scene.toml", format!("{CANTILEVER}{wall}"));
+        workshop.write("scene.toml", format!("{STRIP}{CANTILEVER}{wall}"));
         workshop.succeed(&["simulate", "scene.toml", "--out", element]);
         let path = format!("{element}/path.csv");
         let last = |column: &str| *workshop.column(&path, column).last().unwrap();
@@ -146,27 +128,8 @@ fn a_cantilever_is_held_by_its_clamp() {
     }
 }
 
-/// A network before a plane on the side to which it bends, and another that it never meets.
-const BETWEEN_PLANES: &str = r#"
-[part]
-network = "network.toml"
-
-[mesh]
-edge = 5.0
-
-[material]
-law = "neo-hookean"
-mu = 1.0
-
-[load]
-pressure = 0.012
-
-[load.path]
-steps = 2
-
-[solver]
-backend = "native"
-
+/// A plane on the side to which the part bends, and another that it never meets.
+const PLANES: &str = "
 [[plane]]
 normal = [1.0, 0.0, 0.0]
 distance = 3.0
@@ -174,13 +137,13 @@ distance = 3.0
 [[plane]]
 normal = [-1.0, 0.0, 0.0]
 distance = 30.0
-"#;
+";
 
 /// What the clamp gives is what the planes take, in force and in moment; a pressure alone has no resultant.
 #[test]
 fn a_clamp_balances_the_planes() {
     let workshop = Workshop::new();
-    workshop.write("scene.toml", BETWEEN_PLANES);
+    workshop.write("scene.toml", bent(5.0, 0.012, 2) + PLANES);
     let said = workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
     assert!(said.contains("plane 0 pressed with ") && said.contains("held with ("), "{said}");
     let summary = workshop.json("out/summary.json");

@@ -14,6 +14,7 @@ mod mesh_and_report;
 mod monitor;
 mod own_surfaces;
 mod own_tetrahedra;
+mod parts;
 mod pictures;
 mod second_opinion;
 mod simulate;

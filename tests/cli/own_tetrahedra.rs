@@ -1,126 +1,20 @@
 //! Tetrahedra of one's own: which of their faces are the chamber, and what is said of the rest of the file.
 
-use std::collections::BTreeMap;
-use std::fmt::Write;
-
+use super::parts::{Body, Cell};
 use super::workshop::Workshop;
 
 /// Edge of a cell, mm.
 const H: f64 = 5.0;
 
-type Cell = [usize; 3];
-
-/// Cells of 5 mm, of six tetrahedra each, but for some.
-struct Body {
-    cells: Cell,
-    tetrahedra: Vec<([u32; 4], Cell)>,
+/// A block of 20 x 20 x 30 mm around a cavity of 10 x 10 x 10 mm.
+fn hollow() -> Body {
+    let cavity: Vec<Cell> = (0..8).map(|n| [1 + n % 2, 1 + n / 2 % 2, 2 + n / 4]).collect();
+    Body::without(H, [4, 4, 6], &cavity)
 }
 
-/// A face's group, or none.
-type GroupOf<'a> = &'a dyn Fn([f64; 3], bool) -> i64;
-
-impl Body {
-    fn without(cells: Cell, left_out: &[Cell]) -> Self {
-        let mut tetrahedra = Vec::new();
-        for i in 0..cells[0] {
-            for j in 0..cells[1] {
-                for k in (0..cells[2]).filter(|&k| !left_out.contains(&[i, j, k])) {
-                    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]]
-                    {
-                        let mut at = [i, j, k];
-                        let mut corners = [Self::vertex(cells, at); 4];
-                        for (corner, axis) in corners[1..].iter_mut().zip(order) {
-                            at[axis] += 1;
-                            *corner = Self::vertex(cells, at);
-                        }
-                        tetrahedra.push((corners, [i, j, k]));
-                    }
-                }
-            }
-        }
-        Self { cells, tetrahedra }
-    }
-
-    /// A block of 20 x 20 x 30 mm around a cavity of 10 x 10 x 10 mm.
-    fn hollow() -> Self {
-        let cavity: Vec<Cell> = (0..8).map(|n| [1 + n % 2, 1 + n / 2 % 2, 2 + n / 4]).collect();
-        Self::without([4, 4, 6], &cavity)
-    }
-
-    /// A block of 15 x 15 x 25 mm with a hole of 5 x 5 x 15 mm that begins at its base.
-    fn with_inlet() -> Self {
-        Self::without([3, 3, 5], &[[1, 1, 0], [1, 1, 1], [1, 1, 2]])
-    }
-
-    fn vertex(cells: Cell, [i, j, k]: Cell) -> u32 {
-        ((i * (cells[1] + 1) + j) * (cells[2] + 1) + k) as u32
-    }
-
-    fn place(&self, v: u32) -> [f64; 3] {
-        let [ny, nz] = [self.cells[1] + 1, self.cells[2] + 1];
-        let v = v as usize;
-        [v / (ny * nz), v / nz % ny, v % nz].map(|n| H * n as f64)
-    }
-
-    /// The faces of the boundary, each with its middle and whether it lies on the block's outside.
-    fn faces(&self) -> Vec<([u32; 3], [f64; 3], bool)> {
-        let mut count: BTreeMap<[u32; 3], usize> = BTreeMap::new();
-        for ([a, b, c, d], _) in &self.tetrahedra {
-            for mut face in [[*a, *b, *c], [*a, *b, *d], [*a, *c, *d], [*b, *c, *d]] {
-                face.sort_unstable();
-                *count.entry(face).or_default() += 1;
-            }
-        }
-        let alone = count.into_iter().filter(|(_, count)| *count == 1);
-        alone
-            .map(|(face, _)| {
-                let corners = face.map(|v| self.place(v));
-                let is_outer = (0..3).any(|axis| {
-                    let end = H * self.cells[axis] as f64;
-                    [0.0, end].iter().any(|end| corners.iter().all(|x| x[axis] == *end))
-                });
-                let middle = [0, 1, 2].map(|k| corners.iter().map(|x| x[k]).sum::<f64>() / 3.0);
-                (face, middle, is_outer)
-            })
-            .collect()
-    }
-
-    /// A file of version 2.2 with the groups of faces (0 is none) and of cells, and their names.
-    fn text(
-        &self,
-        names: &[&str],
-        group_of: GroupOf<'_>,
-        volume_of: &dyn Fn(Cell) -> i64,
-    ) -> String {
-        let mut text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n".to_owned();
-        if !names.is_empty() {
-            let names = format!("{}\n{}", names.len(), names.join("\n"));
-            writeln!(text, "$PhysicalNames\n{names}\n$EndPhysicalNames").unwrap();
-        }
-        let nodes = self.cells.iter().map(|n| n + 1).product::<usize>() as u32;
-        writeln!(text, "$Nodes\n{nodes}").unwrap();
-        for v in 0..nodes {
-            let [x, y, z] = self.place(v);
-            writeln!(text, "{} {x} {y} {z}", v + 1).unwrap();
-        }
-        let mut elements = Vec::new();
-        for (face, middle, is_outer) in self.faces() {
-            let group = group_of(middle, is_outer);
-            if group != 0 {
-                let [a, b, c] = face.map(|v| v + 1);
-                elements.push(format!("2 2 {group} {group} {a} {b} {c}"));
-            }
-        }
-        for (corners, cell) in &self.tetrahedra {
-            let ([a, b, c, d], group) = (corners.map(|v| v + 1), volume_of(*cell));
-            elements.push(format!("4 2 {group} {group} {a} {b} {c} {d}"));
-        }
-        writeln!(text, "$EndNodes\n$Elements\n{}", elements.len()).unwrap();
-        for (number, element) in elements.iter().enumerate() {
-            writeln!(text, "{} {element}", number + 1).unwrap();
-        }
-        text + "$EndElements\n"
-    }
+/// A block of 15 x 15 x 25 mm with a hole of 5 x 5 x 15 mm that begins at its base.
+fn with_inlet() -> Body {
+    Body::without(H, [3, 3, 5], &[[1, 1, 0], [1, 1, 1], [1, 1, 2]])
 }
 
 /// A scene with the file `part.msh`; `keys` are those of its part, and may go on with those of its wall.
@@ -160,7 +54,7 @@ fn growth(summary: &serde_json::Value) -> f64 {
 /// One body, whatever its groups are called and numbered, inflates as that without any. A group with number 2 is like others.
 #[test]
 fn the_chamber_is_the_group_that_is_named() {
-    let body = Body::hollow();
+    let body = hollow();
     let inner = |group: i64| move |_: [f64; 3], is_outer: bool| if is_outer { 0 } else { group };
     let both = |_: [f64; 3], is_outer: bool| if is_outer { 2 } else { 7 };
     let whole = &|_: Cell| 1;
@@ -198,7 +92,7 @@ fn the_chamber_is_the_group_that_is_named() {
 
 #[test]
 fn a_wrong_chamber_is_refused_in_one_line() {
-    let body = Body::hollow();
+    let body = hollow();
     let both = |_: [f64; 3], is_outer: bool| if is_outer { 2 } else { 7 };
     let names = ["2 2 \"outer skin\"", "2 7 \"cavity wall\"", "2 9 \"chamber\""];
     let text = body.text(&names[..2], &both, &|_| 1);
@@ -229,7 +123,7 @@ fn a_wrong_chamber_is_refused_in_one_line() {
         "the chamber is closed; take [part] close_inlet away",
     );
     has(refused(&text, "chamber = 7.5"), "the name of a physical group, or its number");
-    let solid = Body::without([2, 2, 3], &[]).text(&[], &|_, _| 0, &|_| 1);
+    let solid = Body::without(H, [2, 2, 3], &[]).plain_text();
     has(
         refused(&solid, ""),
         "the wall surrounds no chamber; name the group of its triangles as [part] chamber",
@@ -239,7 +133,7 @@ fn a_wrong_chamber_is_refused_in_one_line() {
         .map(|n| [1 + n % 3, 1 + n / 3 % 3, 1 + n / 9])
         .filter(|cell| *cell != [2, 2, 2])
         .collect();
-    let nested = Body::without([5, 5, 5], &nested).text(&[], &|_, _| 0, &|_| 1);
+    let nested = Body::without(H, [5, 5, 5], &nested).plain_text();
     has(refused(&nested, ""), "the chamber encloses another piece of the boundary");
 }
 
@@ -247,14 +141,14 @@ fn a_wrong_chamber_is_refused_in_one_line() {
 #[test]
 fn what_is_ignored_is_said() {
     let paper = |[i, _, _]: Cell| if i == 0 { 2 } else { 1 };
-    let text = Body::hollow().text(&["3 1 \"silicone\"", "3 2 \"paper\""], &|_, _| 0, &paper);
+    let text = hollow().text(&["3 1 \"silicone\"", "3 2 \"paper\""], &|_, _| 0, &paper);
     let (summary, _, said) = simulated(&text, "");
     let line = "2 volume groups (\"silicone\" (1), \"paper\" (2)): all take [material]";
     assert_eq!(summary["warnings"].as_array().unwrap(), &[line]);
     assert!(said.contains(&format!("part.msh: {line}")), "{said}");
 
     let cavities = [[1, 1, 2], [1, 2, 2], [3, 1, 2], [3, 2, 2]];
-    let two = Body::without([5, 4, 6], &cavities);
+    let two = Body::without(H, [5, 4, 6], &cavities);
     let sides = |[x, _, _]: [f64; 3], is_outer: bool| match is_outer {
         true => 0,
         false => 10 + i64::from(x > 12.4),
@@ -270,7 +164,7 @@ fn what_is_ignored_is_said() {
     assert_eq!(left["chamber"]["voids"], 1);
     assert!(left.get("warnings").is_none());
     // Voids that share an edge alone are two as well.
-    let touching = Body::without([4, 4, 6], &[[1, 1, 2], [2, 2, 2]]).text(&[], &|_, _| 0, &|_| 1);
+    let touching = Body::without(H, [4, 4, 6], &[[1, 1, 2], [2, 2, 2]]).plain_text();
     let (summary, _, _) = simulated(&touching, "");
     assert!((summary["chamber"]["volume"].as_f64().unwrap() / 250.0 - 1.0).abs() < 1e-12);
     assert_eq!(summary["chamber"]["voids"], 2);
@@ -279,7 +173,7 @@ fn what_is_ignored_is_said() {
 /// A hole that begins at the clamped base: closed by a lid it holds its 15 x 5 x 5 mm, and moves as a cavity does whose floor is clamped.
 #[test]
 fn an_inlet_is_closed_when_asked() {
-    let body = Body::with_inlet();
+    let body = with_inlet();
     let inner = |_: [f64; 3], is_outer: bool| i64::from(!is_outer);
     let text = body.text(&["2 1 \"hole\""], &inner, &|_| 1);
     let open = refused(&text, "chamber = \"hole\"");
@@ -295,8 +189,8 @@ fn an_inlet_is_closed_when_asked() {
     let line = "chamber: the group \"hole\" (1), 26 triangles, 1 void, 1 lid, 375.0 mm^3";
     assert!(said.lines().any(|said| said == line), "{said}");
     // The same walls above a floor of one cell, whose nodes are held too: what is free is the same.
-    let floored = Body::without([3, 3, 6], &[[1, 1, 1], [1, 1, 2], [1, 1, 3]]);
-    let floored = floored.text(&[], &|_, _| 0, &|_| 1);
+    let floored = Body::without(H, [3, 3, 6], &[[1, 1, 1], [1, 1, 2], [1, 1, 3]]);
+    let floored = floored.plain_text();
     let (floored, _, _) = simulated(&floored, "[wall]\nclamp_height = 2.0");
     let [with_lid, with_floor] = [&summary, &floored].map(growth);
     // Where Newton's method ends; it is some 1e-9 beyond its tolerance.

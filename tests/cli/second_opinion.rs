@@ -1,42 +1,12 @@
 //! `deck` and `compare` where the answers have gaps, where CalculiX' cells lock, and where `simulate` reads the same part.
 
+use super::parts::{Body, Cell};
 use super::workshop::Workshop;
 
-/// A slab of 8 x 6 x 24 mm in cubes of 2 mm, six tetrahedra each, without those of its chamber of 4 x 2 x 20 mm.
+/// A slab of 8 x 6 x 24 mm in cubes of 2 mm, around a chamber of 4 x 2 x 20 mm.
 fn slab() -> String {
-    let mut nodes = std::collections::BTreeMap::new();
-    let mut cells = Vec::new();
-    for cube in (0..4 * 3 * 12).map(|k: usize| [k % 4, k / 4 % 3, k / 12]) {
-        if (1..3).contains(&cube[0]) && cube[1] == 1 && (1..11).contains(&cube[2]) {
-            continue;
-        }
-        for [a, b, c] in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
-            let mut corner = cube;
-            let mut path = vec![corner];
-            for axis in [a, b, c] {
-                corner[axis] += 1;
-                path.push(corner);
-            }
-            if (a + 1) % 3 != b {
-                path.swap(1, 2);
-            }
-            let mut number = |corner: [usize; 3]| {
-                let next = nodes.len() + 1;
-                *nodes.entry(corner).or_insert(next)
-            };
-            let cell: Vec<String> = path.into_iter().map(|x| number(x).to_string()).collect();
-            cells.push(cell.join(" "));
-        }
-    }
-    let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", nodes.len());
-    for ([x, y, z], number) in &nodes {
-        text += &format!("{number} {} {} {}\n", 2 * x, 2 * y, 2 * z);
-    }
-    text += &format!("$EndNodes\n$Elements\n{}\n", cells.len());
-    for (cell, number) in cells.iter().zip(1..) {
-        text += &format!("{number} 4 2 1 1 {cell}\n");
-    }
-    text + "$EndElements\n"
+    let chamber: Vec<Cell> = (0..20).map(|k| [1 + k % 2, 1, 1 + k / 2]).collect();
+    Body::without(2.0, [4, 3, 12], &chamber).plain_text()
 }
 
 fn scene(bulk_modulus: f64) -> String {

@@ -1,31 +1,12 @@
 //! `simulate`: what a scene's folder holds, contact, and the agreement of both solvers.
 
+use super::parts::{STRIP, bent};
 use super::workshop::Workshop;
 
-/// The published seed in coarse triangles under a third of its benchmark's pressure.
-const SCENE: &str = r#"
-[part]
-network = "network.toml"
-
-[mesh]
-edge = 4.0
-
-[material]
-law = "neo-hookean"
-mu = 1.0
-
-[load]
-pressure = 0.012
-
-[load.path]
-steps = 4
-
-[load.path.newton]
-tolerance = 1e-12
-
-[solver]
-backend = "native"
-"#;
+/// Under a third of its benchmark's pressure.
+fn scene() -> String {
+    bent(4.0, 0.012, 4) + "[load.path.newton]\ntolerance = 1e-12\n"
+}
 
 /// A plane on the side to which the part bends, near enough to be touched.
 const DISTANCE: f64 = 3.0;
@@ -63,7 +44,7 @@ fn leftmost(vertices: &[[f64; 3]]) -> f64 {
 
 #[test]
 fn the_folder_of_a_scene_holds_what_is_promised() {
-    let run = simulated(SCENE, "native");
+    let run = simulated(&scene(), "native");
     let summary = run.json("out/summary.json");
     let number = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"));
     let rows = run.column("out/path.csv", "step");
@@ -121,7 +102,7 @@ fn json_on_the_terminal_is_the_summary() {
     let workshop = Workshop::new();
     workshop.write(
         "scene.toml",
-        SCENE.replace("steps = 4", "steps = 1").replace("edge = 4", "edge = 5"),
+        scene().replace("steps = 4", "steps = 1").replace("edge = 4", "edge = 5"),
     );
     let out = workshop.succeed(&["simulate", "scene.toml", "--out", "out", "--json"]);
     let printed: serde_json::Value = serde_json::from_str(&out).unwrap();
@@ -130,9 +111,9 @@ fn json_on_the_terminal_is_the_summary() {
 
 #[test]
 fn an_stl_simulates_like_the_network_it_was_made_from() {
-    let network = simulated(SCENE, "native");
+    let network = simulated(&scene(), "native");
     std::fs::copy(network.path("out/surface.stl"), network.path("part.stl")).unwrap();
-    let scene = SCENE.replace("network = \"network.toml\"", "stl = \"part.stl\"");
+    let scene = scene().replace("network = \"network.toml\"", "stl = \"part.stl\"");
     network.write("stl.toml", scene.replace("edge = 4.0", "edge = \"as given\""));
     network.succeed(&["simulate", "stl.toml", "--out", "from_stl"]);
     for column in ["tip_x_mm", "tip_z_mm", "volume_mm3"] {
@@ -148,7 +129,7 @@ fn an_stl_simulates_like_the_network_it_was_made_from() {
 /// The outer wall comes within the barrier's reach, a tenth of the thickness, and never through.
 #[test]
 fn the_outer_wall_stays_before_the_plane_and_presses_on_it() {
-    let run = simulated(&format!("{SCENE}{PLANE}"), "native");
+    let run = simulated(&(scene() + PLANE), "native");
     let plane = leftmost(&vertices(&run, "out/path_000.vtu")) - DISTANCE;
     let forces = run.column("out/path.csv", "plane_0_force_N");
     for (step, force) in forces.iter().enumerate() {
@@ -177,7 +158,7 @@ fn the_outer_wall_stays_before_the_plane_and_presses_on_it() {
     assert!((centre[0].as_f64().unwrap() - lies_at).abs() < 0.1, "{centre} {lies_at}");
     assert!(summary["planes"][0]["area"].as_f64() >= summary["planes"][0]["bearing_area"].as_f64());
 
-    let free = simulated(SCENE, "native");
+    let free = simulated(&scene(), "native");
     assert!(!free.path("out/contact.csv").exists());
     assert!(free.json("out/summary.json").get("planes").is_none());
     let reach = |run: &Workshop| leftmost(&vertices(run, "out/path_004.vtu"));
@@ -188,7 +169,7 @@ fn the_outer_wall_stays_before_the_plane_and_presses_on_it() {
 #[test]
 fn a_patch_lies_on_its_plane() {
     let workshop = Workshop::new();
-    workshop.write("scene.toml", PLATE);
+    workshop.write("scene.toml", format!("{STRIP}{PLATE}"));
     let out = workshop.succeed(&["simulate", "scene.toml", "--out", "out"]);
     assert!(out.starts_with("reached at load share 1.0000"), "{out}");
     let summary = workshop.json("out/summary.json");
@@ -208,28 +189,12 @@ fn a_patch_lies_on_its_plane() {
 }
 
 const PLATE: &str = r#"
-[part.patch]
-s = [0, 20]
-t = [0, 4]
-cells = [10, 2]
-x = "s"
-y = "t"
-z = "0"
-
-[wall]
-thickness = 0.5
-
-[material]
-law = "neo-hookean"
-mu = 1.0
-
-[[edge]]
-side = "s0"
-clamped = true
-
 [[edge]]
 side = "s1"
 clamped = true
+
+[wall]
+thickness = 0.5
 
 [[force]]
 per_area = [0, 0, -0.001]
@@ -245,16 +210,13 @@ distance = 0.1
 
 [load.path]
 steps = 4
-
-[solver]
-backend = "native"
 "#;
 
 /// Newton stops at 1e-12 of the force scale, so that 1e-8 of the displacement has a margin.
 #[cfg(feature = "petsc")]
 #[test]
 fn petsc_and_native_walk_through_the_same_tips() {
-    for scene in [SCENE.to_owned(), format!("{SCENE}{PLANE}")] {
+    for scene in [scene(), scene() + PLANE] {
         let [native, petsc] = ["native", "petsc"].map(|solver| simulated(&scene, solver));
         assert_eq!(petsc.json("out/summary.json")["solver"], "petsc");
         let mut columns = vec!["tip_x_mm", "tip_y_mm", "tip_z_mm"];

@@ -2,29 +2,12 @@
 
 use std::fs;
 
+use super::parts::bent;
 use super::workshop::Workshop;
 
-/// The published seed, coarse, under a pressure that bends it by some 10 mm.
-const SCENE: &str = r#"
-[part]
-network = "network.toml"
-
-[mesh]
-edge = 4.0
-
-[material]
-law = "neo-hookean"
-mu = 1.0
-
-[load]
-pressure = 0.012
-
-[load.path]
-steps = 2
-
-[solver]
-backend = "native"
-"#;
+fn scene() -> String {
+    bent(4.0, 0.012, 2)
+}
 
 /// Coarse cells, about a tenth too stiff.
 const SOLID: &str = "
@@ -46,8 +29,8 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[test]
 fn solid_moves_like_its_shell_and_like_its_file() {
     let workshop = Workshop::new();
-    workshop.write("shell.toml", SCENE);
-    workshop.write("solid.toml", format!("{SCENE}{SOLID}"));
+    workshop.write("shell.toml", scene());
+    workshop.write("solid.toml", scene() + SOLID);
     workshop.succeed(&["simulate", "shell.toml", "--out", "shell"]);
     let said = workshop.succeed(&["simulate", "solid.toml", "--out", "solid"]);
     assert!(said.lines().nth(1).unwrap().contains("tetrahedra by tetgen"), "{said}");
@@ -59,7 +42,7 @@ fn solid_moves_like_its_shell_and_like_its_file() {
     assert!(report["quality"]["volume_error"].as_f64().unwrap().abs() < 1e-6);
     assert!(workshop.path("solid/solid_002.vtu").exists());
 
-    let read = SCENE.replace("network = \"network.toml\"", "tetrahedra = \"solid/wall.msh\"");
+    let read = scene().replace("network = \"network.toml\"", "tetrahedra = \"solid/wall.msh\"");
     let watch = "
 [[watch]]
 name = \"growth\"
@@ -187,12 +170,12 @@ fn wrong_sections_are_told_in_one_line() {
         assert_eq!(said.err.lines().count(), 1, "{said:?}");
         assert!(!workshop.path("none").exists());
     };
-    fails(format!("{SCENE}\n[solid]\nedge = -1\n"), "[solid] edge");
-    fails(format!("{SCENE}\n[solid]\nlayers = 99\n"), "[solid] layers");
-    fails(format!("{SCENE}\n[solid]\n[self_contact]\n"), "[self_contact]");
+    fails(scene() + "\n[solid]\nedge = -1\n", "[solid] edge");
+    fails(scene() + "\n[solid]\nlayers = 99\n", "[solid] layers");
+    fails(scene() + "\n[solid]\n[self_contact]\n", "[self_contact]");
     let sphere = "[part.sphere]\nradius = 10\nsubdivisions = 2\n[solid]\n";
     fails(sphere.to_owned(), "[solid]");
-    let missing = SCENE.replace("network = \"network.toml\"", "tetrahedra = \"no.msh\"");
+    let missing = scene().replace("network = \"network.toml\"", "tetrahedra = \"no.msh\"");
     fails(missing, "no.msh");
     workshop.write("run.toml", RUN);
     let said = workshop.run(&["certify", "run.toml", "--out", "none"]);

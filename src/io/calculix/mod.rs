@@ -24,8 +24,7 @@ use std::fmt::Write;
 
 pub use answer::{NodalAnswer, TipAnswer, is_closed, read_nodes, read_tip};
 
-use super::solid_case::{SolidCase, number};
-use crate::model::material::Rubber;
+use super::solid_case::{LawWithCard, SolidCase, list, number};
 
 /// A law of Ogden's with more terms than CalculiX has coefficients for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -93,7 +92,7 @@ const WORTH_SAYING: f64 = 2.0;
 /// The input deck of `case`, for `ccx`.
 ///
 /// # Errors
-/// [`TooManyTerms`] where CalculiX has no such law.
+/// [`TooManyTerms`] where CalculiX has Ogden's law with fewer.
 pub fn deck(case: &SolidCase<'_>) -> Result<String, TooManyTerms> {
     let SolidCase { title, mesh, clamp, tip, pressure, .. } = *case;
     let locking = locking_in_words(case.poisson_ratio)
@@ -143,25 +142,19 @@ pub fn deck(case: &SolidCase<'_>) -> Result<String, TooManyTerms> {
     Ok(text)
 }
 
-/// Numbers that count from 0, as numbers that count from 1.
-fn list(items: &[u32]) -> String {
-    let items: Vec<String> = items.iter().map(|item| (item + 1).to_string()).collect();
-    items.join(",")
-}
-
 /// The card of a law and its numbers: `2 mu / alpha^2` is Ogden's factor there as here.
-fn hyperelastic(law: &Rubber, bulk_modulus: f64) -> Result<String, TooManyTerms> {
+fn hyperelastic(law: &LawWithCard, bulk_modulus: f64) -> Result<String, TooManyTerms> {
     let d = 2.0 / (KPA * bulk_modulus);
     let (name, numbers) = match law {
-        Rubber::NeoHookean(law) => ("NEO HOOKE".to_owned(), vec![KPA * 0.5 * law.mu, d]),
-        Rubber::MooneyRivlin(law) => {
+        LawWithCard::NeoHookean(law) => ("NEO HOOKE".to_owned(), vec![KPA * 0.5 * law.mu, d]),
+        LawWithCard::MooneyRivlin(law) => {
             ("MOONEY-RIVLIN".to_owned(), vec![KPA * law.c1, KPA * law.c2, d])
         }
-        Rubber::Yeoh(law) => {
+        LawWithCard::Yeoh(law) => {
             let [c1, c2, c3] = law.c.map(|c| KPA * c);
             ("YEOH".to_owned(), vec![c1, c2, c3, d, VANISHING, VANISHING])
         }
-        Rubber::Ogden(law) => {
+        LawWithCard::Ogden(law) => {
             let terms: Vec<_> = law.terms().collect();
             if terms.len() > MOST_TERMS {
                 return Err(TooManyTerms(terms.len()));
@@ -183,7 +176,7 @@ mod tests {
     use super::*;
     use crate::model::material::{MooneyRivlin, NeoHookean, Ogden, OgdenTerm, Yeoh};
 
-    fn card(law: Rubber) -> Vec<String> {
+    fn card(law: LawWithCard) -> Vec<String> {
         let card = hyperelastic(&law, 8.0).unwrap();
         card.lines().map(str::to_owned).collect()
     }
@@ -197,22 +190,22 @@ mod tests {
     /// The order of coefficients as the manual lists it, in kPa; eight in a line.
     #[test]
     fn laws_have_their_cards() {
-        let neo_hookean = card(Rubber::NeoHookean(NeoHookean { mu: 3.0 }));
+        let neo_hookean = card(LawWithCard::NeoHookean(NeoHookean { mu: 3.0 }));
         assert_eq!(neo_hookean[0], "*HYPERELASTIC, NEO HOOKE");
         assert_eq!(numbers(&neo_hookean[1]), [1500.0, 0.25e-3]);
-        let mooney_rivlin = card(Rubber::MooneyRivlin(MooneyRivlin { c1: 0.5, c2: -0.125 }));
+        let mooney_rivlin = card(LawWithCard::MooneyRivlin(MooneyRivlin { c1: 0.5, c2: -0.125 }));
         assert_eq!(numbers(&mooney_rivlin[1]), [500.0, -125.0, 0.25e-3]);
-        let yeoh = card(Rubber::Yeoh(Yeoh { c: [1.0, -0.5, 0.25] }));
+        let yeoh = card(LawWithCard::Yeoh(Yeoh { c: [1.0, -0.5, 0.25] }));
         assert_eq!(numbers(&yeoh[1]), [1000.0, -500.0, 250.0, 0.25e-3, 1e20, 1e20]);
         let terms: Vec<_> =
             (1..=4).map(|k| OgdenTerm { mu: f64::from(k), alpha: -f64::from(k) }).collect();
-        let ogden = card(Rubber::Ogden(Ogden::new(&terms[..3])));
+        let ogden = card(LawWithCard::Ogden(Ogden::new(&terms[..3])));
         assert_eq!((ogden.len(), ogden[0].as_str()), (3, "*HYPERELASTIC, OGDEN, N=3"));
         assert_eq!(numbers(&ogden[1]), [1000.0, -1.0, 2000.0, -2.0, 3000.0, -3.0, 0.25e-3, 1e20]);
         assert_eq!(numbers(&ogden[2]), [1e20]);
-        let one = card(Rubber::Ogden(Ogden::new(&terms[..1])));
+        let one = card(LawWithCard::Ogden(Ogden::new(&terms[..1])));
         assert_eq!(numbers(&one[1]), [1000.0, -1.0, 0.25e-3]);
-        let four = hyperelastic(&Rubber::Ogden(Ogden::new(&terms)), 8.0);
+        let four = hyperelastic(&LawWithCard::Ogden(Ogden::new(&terms)), 8.0);
         assert_eq!(four, Err(TooManyTerms(4)));
     }
 }

@@ -4,21 +4,21 @@
 //! take turns; the two faces on either side of the same air belong to one piece. Pieces that share a vertex alone are two.
 
 use super::boundary::{faces, sorted};
-use crate::math::Vec3;
+use crate::math::{DisjointSets, Vec3};
 use crate::mesh::TetMesh;
 
 impl TetMesh {
     /// The piece of each face, numbered in the order of the `faces`, whose normals leave the wall.
     #[must_use]
     pub fn pieces(&self, faces: &[[u32; 3]]) -> Vec<u32> {
-        let mut joined = Joined::new(faces.len());
+        let mut joined = DisjointSets::new(faces.len());
         for same in half_edges(faces).chunk_by(|a, b| a.edge == b.edge) {
             match air_mates(&self.positions, faces, same) {
                 Some(mates) => mates.into_iter().for_each(|[f, g]| joined.join(f, g)),
                 None => same.windows(2).for_each(|pair| joined.join(pair[0].face, pair[1].face)),
             }
         }
-        joined.numbers()
+        joined.numbers(0..faces.len() as u32)
     }
 
     /// The faces of the chamber, with normals out of the wall.
@@ -30,15 +30,15 @@ impl TetMesh {
     /// How many bodies there are that share no face.
     #[must_use]
     pub fn bodies(&self) -> usize {
-        let of = |(t, &corners): (usize, &[u32; 4])| faces(corners).map(|face| (sorted(face), t));
-        let mut all: Vec<([u32; 3], usize)> =
-            self.tetrahedra.iter().enumerate().flat_map(of).collect();
+        let of = |(&corners, t)| faces(corners).map(|face| (sorted(face), t));
+        let mut all: Vec<([u32; 3], u32)> = self.tetrahedra.iter().zip(0..).flat_map(of).collect();
         all.sort_unstable();
-        let mut joined = Joined::new(self.tetrahedra.len());
+        let mut joined = DisjointSets::new(self.tetrahedra.len());
         for pair in all.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             joined.join(pair[0].1, pair[1].1);
         }
-        joined.numbers().into_iter().max().map_or(0, |last| last as usize + 1)
+        let bodies = joined.numbers(0..self.tetrahedra.len() as u32);
+        bodies.into_iter().max().map_or(0, |last| last as usize + 1)
     }
 }
 
@@ -46,21 +46,21 @@ impl TetMesh {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct HalfEdge {
     edge: [u32; 2],
-    face: usize,
+    face: u32,
     /// Whether the face turns from the lower end to the higher one.
     ascends: bool,
 }
 
 /// The edges of `faces`, those of the same ends one after another.
 fn half_edges(faces: &[[u32; 3]]) -> Vec<HalfEdge> {
-    let of = |(face, &[a, b, c]): (usize, &[u32; 3])| {
+    let of = |(&[a, b, c], face): (&[u32; 3], u32)| {
         [[a, b], [b, c], [c, a]].map(|[v, w]| HalfEdge {
             edge: [v.min(w), v.max(w)],
             face,
             ascends: v < w,
         })
     };
-    let mut all: Vec<HalfEdge> = faces.iter().enumerate().flat_map(of).collect();
+    let mut all: Vec<HalfEdge> = faces.iter().zip(0..).flat_map(of).collect();
     all.sort_unstable();
     all
 }
@@ -93,24 +93,20 @@ pub fn turns_around(point: Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> f6
 }
 
 /// The pairs of faces about one edge with the same air between them; `None` where the faces do not take turns, as where the wall overlaps itself.
-fn air_mates(
-    positions: &[Vec3],
-    faces: &[[u32; 3]],
-    about: &[HalfEdge],
-) -> Option<Vec<[usize; 2]>> {
+fn air_mates(positions: &[Vec3], faces: &[[u32; 3]], about: &[HalfEdge]) -> Option<Vec<[u32; 2]>> {
     if let [one, other] = about {
         return Some(vec![[one.face, other.face]]);
     }
     let [from, to] = about[0].edge.map(|v| positions[v as usize]);
     let along = (to - from).normalize();
     let across = |half: &HalfEdge| {
-        let third = faces[half.face].into_iter().find(|v| !half.edge.contains(v))?;
+        let third = faces[half.face as usize].into_iter().find(|v| !half.edge.contains(v))?;
         let way = positions[third as usize] - from;
         Some(way - along.dot(&way) * along)
     };
     let zero = across(&about[0])?;
     let quarter = along.cross(&zero);
-    let mut turns: Vec<(f64, bool, usize)> = about
+    let mut turns: Vec<(f64, bool, u32)> = about
         .iter()
         .map(|half| {
             let way = across(half)?;
@@ -131,42 +127,6 @@ fn air_mates(
         }
     }
     Some(mates)
-}
-
-/// Things that are joined by and by.
-struct Joined(Vec<usize>);
-
-impl Joined {
-    fn new(count: usize) -> Self {
-        Self((0..count).collect())
-    }
-
-    fn root(&mut self, mut thing: usize) -> usize {
-        while self.0[thing] != thing {
-            self.0[thing] = self.0[self.0[thing]];
-            thing = self.0[thing];
-        }
-        thing
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b)] = a.min(b);
-    }
-
-    /// The number of the group of each thing, in the order of the first of each.
-    fn numbers(mut self) -> Vec<u32> {
-        let mut numbers = vec![None; self.0.len()];
-        let mut count = 0;
-        (0..self.0.len())
-            .map(|thing| {
-                *numbers[self.root(thing)].get_or_insert_with(|| {
-                    count += 1;
-                    count - 1
-                })
-            })
-            .collect()
-    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::boundary::{edge_lengths, faces, sorted, volume};
-use crate::math::Vec3;
+use crate::math::{Vec3, angle_between};
 use crate::mesh::{TET_EDGES, TetMesh, WallSurfaces};
 
 /// Number, shape and arrangement of the tetrahedra that fill a wall.
@@ -101,7 +101,7 @@ fn dihedral_angles(corners: [Vec3; 4]) -> [f64; 6] {
         let [k, l] = opposite(i, j);
         let edge = corners[j] - corners[i];
         let [m, n] = [k, l].map(|v| edge.cross(&(corners[v] - corners[i])));
-        m.cross(&n).norm().atan2(m.dot(&n)).to_degrees()
+        angle_between(m, n).to_degrees()
     })
 }
 

@@ -180,6 +180,16 @@ macro_rules! rubbers {
             }
         }
 
+        impl Rubber {
+            /// Its name in run and scene files.
+            #[must_use]
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$Law(_) => <$Law as NamedLaw>::NAME,)+
+                }
+            }
+        }
+
         impl IncompressibleLaw for Rubber {
             #[inline]
             fn density(&self, t: f64, j: f64) -> OfInvariants {
@@ -256,9 +266,10 @@ macro_rules! rubbers {
                 }
             }
 
-            /// The law of shape and the bulk modulus, MPa, none of an incompressible rubber; nothing of
+            /// The law of shape and the bulk modulus, MPa, `None` of an incompressible rubber; `None` of
             /// [`StVenantKirchhoff`], which is a law of thin walls.
-            fn rubber(&self) -> Option<(Rubber, Option<f64>)> {
+            #[must_use]
+            pub fn rubber(&self) -> Option<(Rubber, Option<f64>)> {
                 match self.clone() {
                     $(Self::$Law(law) => Some((Rubber::$Law(law), None)),)+
                     Self::Compressible(Compressible { law, bulk_modulus }) => Some((law, Some(bulk_modulus))),
@@ -269,7 +280,7 @@ macro_rules! rubbers {
 
         /// The rubbers of the shared tests, as the file of each law has them.
         #[cfg(test)]
-        fn rubbers() -> Vec<Rubber> {
+        pub(crate) fn rubbers() -> Vec<Rubber> {
             use test_laws::Example;
             let mut rubbers = Vec::new();
             $(rubbers.extend($Law::examples().into_iter().map(Rubber::$Law));)+

@@ -31,11 +31,11 @@ use super::shape::NO_CHAMBER;
 use crate::fitness::LoadSettings;
 use crate::io::provenance::Provenance;
 use crate::io::{
-    ChamberFound, OutputFolder, OwnSolid, SolidCase, atomic, calculix, csv, febio, msh,
+    ChamberFound, LawWithCard, OutputFolder, OwnSolid, SolidCase, atomic, calculix, csv, febio, msh,
 };
 use crate::math::Vec3;
 use crate::mesh::{Ends, ShellMesh, ShellSettings, SolidMesh};
-use crate::model::material::{Compressible, Material, Rubber};
+use crate::model::material::{Compressible, Material};
 use crate::model::system::System;
 use crate::model::{PartModel, PartSetup, Support};
 use crate::solve::{Backend, LinearMethod, PathPoint, follow};
@@ -278,26 +278,22 @@ const LARGEST_POISSON_RATIO: f64 = 0.4999;
 /// `material` with a bulk modulus `2 mu (1 + nu) / (3 (1 - 2 nu))`, where it is incompressible.
 ///
 /// # Errors
-/// When the `material` is one of shells alone, or has a Poisson's ratio of its own and another is given.
+/// When the `material` is one of shells alone or one that other programs lack, or has a Poisson's ratio of its own and another is given.
 pub(crate) fn compressible(
     material: &Material,
     poisson_ratio: Option<f64>,
 ) -> anyhow::Result<Compressible> {
-    let law = match material.clone() {
-        Material::NeoHookean(law) => Rubber::NeoHookean(law),
-        Material::MooneyRivlin(law) => Rubber::MooneyRivlin(law),
-        Material::Yeoh(law) => Rubber::Yeoh(law),
-        Material::Ogden(law) => Rubber::Ogden(law),
-        Material::Compressible(law) => {
-            ensure!(
-                poisson_ratio.is_none(),
-                "--poisson-ratio is for incompressible rubbers; [material] has {:.4}",
-                material.poisson_ratio()
-            );
-            return Ok(law);
-        }
-        Material::StVenantKirchhoff(_) => bail!("[material] has a law of shells alone"),
-    };
+    let (law, bulk_modulus) = material.rubber().context("[material] has a law of shells alone")?;
+    // Before anything is meshed: not every law has a card.
+    LawWithCard::try_from(&law)?;
+    if let Some(bulk_modulus) = bulk_modulus {
+        ensure!(
+            poisson_ratio.is_none(),
+            "--poisson-ratio is for incompressible rubbers; [material] has {:.4}",
+            material.poisson_ratio()
+        );
+        return Ok(Compressible { law, bulk_modulus });
+    }
     let nu = poisson_ratio.unwrap_or(POISSON_RATIO);
     within("--poisson-ratio", nu, 0.0, LARGEST_POISSON_RATIO)?;
     let mu = material.shear_modulus();
@@ -327,17 +323,18 @@ impl Subject {
             "decks have no lids, so their rims must be held: raise [wall] clamp_height, or close the inlet in the mesh"
         );
         let law = Material::Compressible(material.clone());
+        let shape = LawWithCard::try_from(&material.law)?;
         let title = format!(
             "{design}, 0 to {} MPa in {} samples, {} with a bulk modulus of {:.4} MPa",
             load.pressure,
             load.path.steps,
-            name(&material.law),
+            shape.in_words(),
             material.bulk_modulus
         );
         let case = SolidCase {
             title: &title,
             mesh,
-            law: &material.law,
+            law: &shape,
             bulk_modulus: material.bulk_modulus,
             poisson_ratio: law.poisson_ratio(),
             clamp: &clamp,
@@ -373,11 +370,11 @@ impl Subject {
             .collect();
         csv::write(&folder.file(DISPLACEMENT), &nodes)?;
         let chamber = self.chamber.as_ref().map(|chamber| chamber.in_words(rows[0].volume) + "\n");
-        let words = chamber.unwrap_or_default()
-            + &self.in_words(&rows[rows.len() - 1], &walk, law.poisson_ratio(), out);
+        let words =
+            chamber.unwrap_or_default() + &self.in_words(&rows[rows.len() - 1], &walk, &case, out);
         let case = Case {
             design: design.clone(),
-            law: name(&material.law).to_owned(),
+            law: shape.in_words().to_owned(),
             shear_modulus: law.shear_modulus(),
             bulk_modulus: material.bulk_modulus,
             poisson_ratio: law.poisson_ratio(),
@@ -402,10 +399,11 @@ impl Subject {
         &self,
         last: &TipRow,
         walk: &WalkSummary,
-        poisson_ratio: f64,
+        case: &SolidCase<'_>,
         out: &Path,
     ) -> String {
         let Self { design, mesh, material, was_incompressible, .. } = self;
+        let poisson_ratio = case.poisson_ratio;
         let why = if *was_incompressible {
             "; the rubber itself is incompressible, which CalculiX has no cells for, so all three solve this law"
         } else {
@@ -428,7 +426,7 @@ impl Subject {
             mesh.positions.len(),
             mesh.tetrahedra.len(),
             mesh.chamber.len(),
-            name(&material.law),
+            case.law.in_words(),
             material.bulk_modulus,
             walk.in_words(),
             out.display(),
@@ -464,15 +462,6 @@ fn row(step: usize, point: &PathPoint, mesh: &SolidMesh, tip: &[u32]) -> TipRow 
         tip_z: mean.z,
         max_displacement: u.iter().map(|u| u.norm()).fold(0.0, f64::max),
         volume: point.conjugate,
-    }
-}
-
-fn name(law: &Rubber) -> &'static str {
-    match law {
-        Rubber::NeoHookean(_) => "neo-Hooke",
-        Rubber::MooneyRivlin(_) => "Mooney-Rivlin",
-        Rubber::Yeoh(_) => "Yeoh",
-        Rubber::Ogden(_) => "Ogden",
     }
 }
 

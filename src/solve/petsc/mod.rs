@@ -29,6 +29,7 @@ use self::tangent::{Plan, Tangent};
 use super::job::Message;
 use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
+use super::vectors::all_finite;
 use super::{
     EquilibriumSolver, LinearMethod, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes,
     SolverFailure, line_search,
@@ -425,10 +426,6 @@ const TIGHTEST: f64 = 1e-6;
 const LOOSEST: f64 = 1e-2;
 /// What solves with a linearized tangent ask of an iteration.
 const LINEARIZED_TOLERANCE: f64 = 1e-10;
-
-fn all_finite(values: &[f64]) -> bool {
-    values.iter().all(|value| value.is_finite())
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,9 +1,8 @@
 //! A system of which each rank evaluates its share; every rank sees the whole.
 
-use std::ops::Range;
-
 use super::library::{Exchange, Session};
-use crate::model::system::{Inadmissible, Layout, SparsityPattern, System};
+use crate::model::system::{Inadmissible, System};
+use crate::solve::decorator::Decorator;
 
 /// Evaluates residual and tangent for this rank's rows, and gathers the residuals of all.
 ///
@@ -48,19 +47,21 @@ impl<'a> Shared<'a> {
             return Err(evaluated.err().unwrap_or(ELSEWHERE));
         }
         // Who lowers an energy wants it whole; with multipliers nobody does.
-        if self.multipliers().is_empty() { self.system.energy(x) } else { evaluated }
+        if self.system.multipliers().is_empty() { self.system.energy(x) } else { evaluated }
     }
 }
 
 const ELSEWHERE: Inadmissible = Inadmissible("another rank found the state inadmissible");
 
-impl System for Shared<'_> {
-    fn pattern(&self) -> &SparsityPattern {
-        self.system.pattern()
+impl<'a> Decorator for Shared<'a> {
+    type Inner = dyn System + 'a;
+
+    fn inner(&self) -> &Self::Inner {
+        self.system
     }
 
-    fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
-        self.system.energy(x)
+    fn inner_mut(&mut self) -> &mut Self::Inner {
+        self.system
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<f64, Inadmissible> {
@@ -74,41 +75,5 @@ impl System for Shared<'_> {
         tangent: &mut [f64],
     ) -> Result<f64, Inadmissible> {
         self.gathered(x, residual, |system, residual| system.tangent(x, residual, tangent))
-    }
-
-    fn longest_step(&self, x: &[f64], dx: &[f64]) -> f64 {
-        self.system.longest_step(x, dx)
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.system.force_scale()
-    }
-
-    fn energy_rounding(&self) -> f64 {
-        self.system.energy_rounding()
-    }
-
-    fn make_room(&mut self, x: &[f64]) -> bool {
-        self.system.make_room(x)
-    }
-
-    fn multipliers(&self) -> Range<usize> {
-        self.system.multipliers()
-    }
-
-    fn stable_negative_pivots(&self) -> usize {
-        self.system.stable_negative_pivots()
-    }
-
-    fn layout(&self) -> Option<Layout> {
-        self.system.layout()
-    }
-
-    fn is_conservative(&self) -> bool {
-        self.system.is_conservative()
-    }
-
-    fn add_circulatory_tangent(&self, x: &[f64], v: &[f64], out: &mut [f64]) {
-        self.system.add_circulatory_tangent(x, v, out);
     }
 }

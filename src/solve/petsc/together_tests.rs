@@ -1,14 +1,14 @@
 //! Matrices and vectors that are spread over ranks: over the one of this process, and over two under `mpirun`.
 
-use std::ops::Range;
 use std::process::Command;
 
 use super::*;
 use crate::math::Vec3;
 use crate::mesh::{SolidMesh, TetMesh};
 use crate::model::material::{Material, NeoHookean};
-use crate::model::system::{Inadmissible, Layout, LoadedSystem};
+use crate::model::system::{Inadmissible, LoadedSystem};
 use crate::model::{PartModel, PartSetup};
+use crate::solve::decorator::Decorator;
 use crate::solve::solver_suite::solver_suite;
 
 /// A solver that shares whatever the size.
@@ -91,17 +91,15 @@ struct Softened {
     softening: f64,
 }
 
-impl System for Softened {
-    fn pattern(&self) -> &SparsityPattern {
-        self.model.pattern()
+impl Decorator for Softened {
+    type Inner = PartModel;
+
+    fn inner(&self) -> &PartModel {
+        &self.model
     }
 
-    fn energy(&mut self, x: &[f64]) -> Result<f64, Inadmissible> {
-        self.model.energy(x)
-    }
-
-    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<f64, Inadmissible> {
-        self.model.residual(x, residual)
+    fn inner_mut(&mut self) -> &mut PartModel {
+        &mut self.model
     }
 
     fn tangent(
@@ -111,27 +109,11 @@ impl System for Softened {
         tangent: &mut [f64],
     ) -> Result<f64, Inadmissible> {
         let energy = self.model.tangent(x, residual, tangent)?;
-        let displacements = self.multipliers().start;
+        let displacements = self.model.multipliers().start;
         for at in self.model.pattern().diagonal().take(displacements) {
             tangent[at] -= self.softening;
         }
         Ok(energy)
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.model.force_scale()
-    }
-
-    fn multipliers(&self) -> Range<usize> {
-        self.model.multipliers()
-    }
-
-    fn layout(&self) -> Option<Layout> {
-        self.model.layout()
-    }
-
-    fn set_share(&mut self, share: Option<&[bool]>) {
-        self.model.set_share(share);
     }
 }
 

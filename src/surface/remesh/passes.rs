@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::field::ScalarField;
-use crate::math::Vec3;
+use crate::math::{Vec3, area_vector};
 use crate::surface::TriangleMesh;
 use crate::surface::half_edges::{HalfEdges, NONE, next};
 use crate::surface::quality::radius_ratio;
@@ -443,10 +443,6 @@ impl<'a> Workpiece<'a> {
         }
         (step.norm() < NEAR_LEVEL * self.edge).then_some(point)
     }
-}
-
-fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
-    (b - a).cross(&(c - a)) / 2.0
 }
 
 /// Whether the normal of a triangle turns by less than about 70 degrees.

@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeSet, HashSet};
 
-use crate::math::Vec3;
+use crate::math::{DisjointSets, Vec3, angle_between};
 use crate::surface::facet_tree::{Facet, FacetTree};
 use crate::surface::{HalfEdges, TriangleMesh};
 
@@ -33,7 +33,7 @@ impl SharpEdges {
     pub(super) fn of(mesh: &TriangleMesh, surface: &HalfEdges, angle: f64, length: f64) -> Self {
         let turn = |h: u32| {
             let [m, n] = [h, surface.twin(h)].map(|h| mesh.area_vector(h as usize / 3));
-            m.cross(&n).norm().atan2(m.dot(&n)).to_degrees()
+            angle_between(m, n).to_degrees()
         };
         let sharp: Vec<[u32; 2]> = surface
             .edges()
@@ -138,27 +138,16 @@ impl SharpEdges {
 
 /// What hangs together of the `edges` over `vertices`, in order of appearance.
 fn pieces(edges: &[[u32; 2]], vertices: usize) -> Vec<Vec<[u32; 2]>> {
-    let mut parents: Vec<u32> = (0..vertices as u32).collect();
-    let root = |parents: &mut Vec<u32>, mut v: u32| {
-        while parents[v as usize] != v {
-            parents[v as usize] = parents[parents[v as usize] as usize];
-            v = parents[v as usize];
-        }
-        v
-    };
+    let mut sets = DisjointSets::new(vertices);
     for &[a, b] in edges {
-        let (a, b) = (root(&mut parents, a), root(&mut parents, b));
-        parents[a.max(b) as usize] = a.min(b);
+        sets.join(a, b);
     }
-    let mut place = vec![usize::MAX; vertices];
     let mut pieces: Vec<Vec<[u32; 2]>> = Vec::new();
-    for &edge in edges {
-        let of = root(&mut parents, edge[0]) as usize;
-        if place[of] == usize::MAX {
-            place[of] = pieces.len();
+    for (&edge, number) in edges.iter().zip(sets.numbers(edges.iter().map(|edge| edge[0]))) {
+        if number as usize == pieces.len() {
             pieces.push(Vec::new());
         }
-        pieces[place[of]].push(edge);
+        pieces[number as usize].push(edge);
     }
     pieces
 }

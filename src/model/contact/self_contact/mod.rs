@@ -22,7 +22,6 @@ mod pair_term;
 mod step;
 #[cfg(test)]
 mod tests;
-mod tree;
 mod wall_contact;
 mod wall_surface;
 

@@ -11,7 +11,7 @@ use nalgebra::Matrix3;
 
 use super::pair::Pair;
 use super::wall_surface::WallSurface;
-use crate::math::Vec3;
+use crate::math::{Box3, Vec3};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::system::Inadmissible;
 
@@ -94,7 +94,7 @@ impl Term for PairTerm {
         let around = |triangle: u32| {
             let points = &self.surface.points[triangle as usize];
             let at = points.at(points.nodes.iter().map(|&node| &positions[node as usize]));
-            super::tree::Box3::around(at)
+            Box3::around(at)
         };
         let [a, b] = self.groups[s].triangles.map(around);
         // A little more than the reach: these points are rounded otherwise.

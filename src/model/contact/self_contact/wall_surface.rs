@@ -15,8 +15,7 @@ use std::collections::BTreeSet;
 
 use super::distance::Closest;
 use super::near_at_rest::Neighbours;
-use super::tree::{Box3, Tree};
-use crate::math::Vec3;
+use crate::math::{Box3, BoxTree, Vec3, area_vector};
 use crate::model::element::{ElementPoints, SampledSurface};
 
 /// Distances at rest below which parts never touch, straight and along the surface, in thicknesses.
@@ -61,7 +60,10 @@ pub(super) struct WallSurface {
     triangles: Vec<Triangle>,
     is_closed: bool,
     neighbours: Neighbours,
-    tree: Tree,
+    /// Sorted at rest.
+    tree: BoxTree,
+    /// The triangle of each leaf of the tree.
+    leaves: Vec<u32>,
     /// Samples at rest, mm.
     rest: Vec<Vec3>,
     pub(super) thickness: f64,
@@ -159,7 +161,8 @@ impl WallSurface {
         let centre = |triangle: &Triangle| {
             triangle.samples.iter().map(|&v| rest[v as usize]).sum::<Vec3>() / 6.0
         };
-        let tree = Tree::new(&triangles.iter().map(centre).collect::<Vec<_>>());
+        let centres: Vec<Vec3> = triangles.iter().map(centre).collect();
+        let (tree, leaves) = BoxTree::of_places(&centres);
         let [straight, along] = NEIGHBOURHOOD.map(|distance| distance * thickness);
         let neighbours = Neighbours::new(&rest, edges.iter().map(|it| it.ends), straight, along);
         let mut made = Self {
@@ -169,6 +172,7 @@ impl WallSurface {
             is_closed,
             neighbours,
             tree,
+            leaves,
             room: vec![f64::INFINITY; rest.len()],
             rest,
             thickness,
@@ -205,10 +209,7 @@ impl WallSurface {
     pub(super) fn pose(&self, positions: &[Vec3], dx: Option<&[Vec3]>) -> Pose {
         let samples = self.surface.at(positions);
         let motion = dx.map(|dx| self.surface.at(dx)).unwrap_or_default();
-        let boxes_around = |x: &[Vec3]| {
-            let of_triangle = |t: u32| self.triangles[t as usize].box_around(x);
-            self.tree.fitted(&of_triangle, &Box3::join)
-        };
+        let boxes_around = |x: &[Vec3]| self.fitted(&|t| self.triangles[t].box_around(x));
         let boxes = boxes_around(&samples);
         let is_moved = !motion.is_empty();
         let motion_boxes = if is_moved { boxes_around(&motion) } else { Vec::new() };
@@ -235,7 +236,10 @@ impl WallSurface {
         visit: &mut dyn FnMut([u32; 2], Couple),
     ) {
         let near = |a: usize, b: usize| pose.nodes_may_meet(a, b, search);
-        self.tree.pairs(&near, &mut |a, b| self.visit_couples([a, b], pose, search, visit));
+        self.tree.pairs(&near, &mut |a, b| {
+            let [a, b] = [a, b].map(|leaf| self.leaves[leaf.items().start]);
+            self.visit_couples([a.min(b), a.max(b)], pose, search, visit);
+        });
     }
 
     /// How thick the wall counts at a sample, mm.
@@ -331,17 +335,21 @@ impl WallSurface {
 
     /// Boxes around the unit normals of the facets.
     fn normals(&self, x: &[Vec3]) -> Vec<Box3> {
-        let of_triangle = |triangle: u32| {
-            let first = 4 * triangle as usize;
-            let facets = &self.surface.facets[first..first + 4];
+        let of_triangle = |triangle: usize| {
+            let facets = &self.surface.facets[4 * triangle..4 * triangle + 4];
             // Where a facet has no area anything may be its normal.
             Box3::around(facets.iter().map(|&facet| {
-                let vector = area_vector(x, facet);
+                let vector = area_vector(facet.map(|v| x[v as usize]));
                 let length = vector.norm();
                 if length > 0.0 { vector / length } else { Vec3::zeros() }
             }))
         };
-        self.tree.fitted(&of_triangle, &Box3::join)
+        self.fitted(&of_triangle)
+    }
+
+    /// Boxes around what the nodes of the tree hold, from those of the triangles.
+    fn fitted(&self, of_triangle: &dyn Fn(usize) -> Box3) -> Vec<Box3> {
+        self.tree.fitted(&|leaf| of_triangle(self.leaves[leaf.start] as usize), &Box3::join)
     }
 }
 
@@ -427,13 +435,8 @@ pub(super) fn closing_speed(dx: &[Vec3; 4], first: usize) -> f64 {
     fastest(&dx[..first]) + fastest(&dx[first..])
 }
 
-fn area_vector(x: &[Vec3], facet: [u32; 3]) -> Vec3 {
-    let [a, b, c] = facet.map(|v| x[v as usize]);
-    (b - a).cross(&(c - a)) / 2.0
-}
-
 fn area(x: &[Vec3], facet: [u32; 3]) -> f64 {
-    area_vector(x, facet).norm()
+    area_vector(facet.map(|v| x[v as usize])).norm()
 }
 
 /// An edge between two samples.
