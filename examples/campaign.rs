@@ -139,12 +139,12 @@ fn design(genome: &Genome, settings: &CandidateSettings) -> Design {
     match (&candidate.outcome, &candidate.scenarios) {
         (Outcome::Evaluated(evaluation), Some(scenarios)) => {
             let largest = settings.load.pressure;
-            let ways = [&scenarios.free, &scenarios.blocked].map(|path| way(path, largest));
-            let objectives = [evaluation.bending, evaluation.blocking];
+            let ways = scenarios.walked.iter().map(|walked| way(&walked.path, largest));
+            let objectives = ["bending", "blocking"].map(|name| evaluation.objectives[name]);
             if !objectives.iter().all(|value| value.is_finite()) {
                 return Design::Broken(format!("objectives {objectives:?}"));
             }
-            Design::Walked(walk(ways.to_vec(), Some(objectives), evaluation.newton_iterations))
+            Design::Walked(walk(ways.collect(), Some(objectives), evaluation.newton_iterations))
         }
         (Outcome::Evaluated(_), None) => Design::Broken("evaluated without a path".to_owned()),
         (Outcome::Rejected(rejected), _) if rejected.room == Room::Solve => {

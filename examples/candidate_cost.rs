@@ -45,8 +45,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     e.newton_iterations as f64,
                 ];
                 columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-                let what =
-                    format!("F_c {:.3}  F_bf {:.4}  {:.1} N", e.bending, e.blocking, e.max_force);
+                let [bending, blocking] = ["bending", "blocking"].map(|name| e.objectives[name]);
+                let what = format!("F_c {bending:.3}  F_bf {blocking:.4}  {:.1} N", e.max_force);
                 (e.unknowns, e.newton_iterations, what)
             }
             Outcome::Rejected(rejected) => (0, 0, rejected.to_string()),

@@ -46,10 +46,8 @@ pub(crate) fn front(out: &Path) -> anyhow::Result<Vec<FrontPoint>> {
 fn main() -> anyhow::Result<()> {
     let folder = std::env::args().nth(1).map(PathBuf::from).context("name a new folder")?;
     for point in front(&folder)? {
-        println!(
-            "{}: bends by {:.3}, pushes by {:.4} N/kPa",
-            point.id, point.bending, point.blocking
-        );
+        let [bending, blocking] = point.place();
+        println!("{}: bends by {bending:.3}, pushes by {blocking:.4} N/kPa", point.id);
     }
     Ok(())
 }

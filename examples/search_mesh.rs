@@ -81,11 +81,12 @@ fn study(designs: &[(String, Network)], folder: &Path) -> anyhow::Result<()> {
         for (name, network) in designs {
             let found = evaluated(network, edge)?;
             if let Some((evaluation, seconds)) = &found {
-                let Evaluation { bending, blocking, unknowns, bending_ending, .. } = evaluation;
-                let numbers = [edge, *unknowns as f64, *seconds, *bending, *blocking];
+                let Evaluation { objectives, unknowns, endings, .. } = evaluation;
+                let [bending, blocking] = ["bending", "blocking"].map(|name| objectives[name]);
+                let numbers = [edge, *unknowns as f64, *seconds, bending, blocking];
                 let mut record = vec![name.clone()];
                 record.extend(numbers.map(|number| number.to_string()));
-                record.push(bending_ending.name().to_owned());
+                record.push(endings["bending"].ending.name().to_owned());
                 table.write_record(record)?;
             }
             row.push(found);
@@ -108,10 +109,11 @@ fn study(designs: &[(String, Network)], folder: &Path) -> anyhow::Result<()> {
         let count = pairs.len() as f64;
         let cpu_seconds = pairs.iter().map(|((_, seconds), _)| seconds).sum::<f64>() / count;
         let unknowns = pairs.iter().map(|((one, _), _)| one.unknowns as f64).sum::<f64>() / count;
-        let error = |of: fn(&Evaluation) -> f64| -> Vec<f64> {
+        let error = |name: &str| -> Vec<f64> {
+            let of = |evaluation: &Evaluation| evaluation.objectives[name];
             pairs.iter().map(|((one, _), finest)| deviation(of(one), of(finest))).collect()
         };
-        let (bending, blocking) = (error(|e| e.bending), error(|e| e.blocking));
+        let (bending, blocking) = (error("bending"), error("blocking"));
         let worse = bending.iter().zip(&blocking).map(|(a, b)| a.max(*b)).collect();
         let [bending, blocking, worse] = [bending, blocking, worse].map(sorted);
         println!(

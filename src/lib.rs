@@ -76,7 +76,7 @@
 //! let Outcome::Evaluated(evaluation) = evaluate_network(&network, &settings)?.outcome else {
 //!     panic!("the network makes a part")
 //! };
-//! assert!(evaluation.bending > 0.0 && evaluation.blocking > 0.0);
+//! assert!(evaluation.objectives["bending"] > 0.0 && evaluation.objectives["blocking"] > 0.0);
 //!
 //! // All of it, for every candidate of a search, takes a minute.
 //! let find = || match search(&run, Path::new("run"), &Manner::default(), &Unlimited, &Unobserved)? {

@@ -61,8 +61,8 @@ fn search_ends_with_a_front() {
     assert!(!front.is_empty());
     for point in &front {
         let is_beaten = |other: &pneumorph::report::FrontPoint| {
-            other.bending > point.bending && other.blocking > point.blocking
+            other.place().iter().zip(point.place()).all(|(other, this)| *other > this)
         };
-        assert!(point.bending > 0.0 && !front.iter().any(is_beaten), "{}", point.id);
+        assert!(point.place()[0] > 0.0 && !front.iter().any(is_beaten), "{}", point.id);
     }
 }

@@ -1,7 +1,10 @@
 //! From a network to its outcome: all rooms in a row.
 
-use super::evaluate::{FitnessSettings, LoadSettings, Scenarios, evaluate};
-use super::outcome::{Outcome, StageSeconds, Unevaluated};
+use super::evaluate::evaluate;
+use super::outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
+use super::part::ShellPart;
+use super::settings::{FitnessSettings, LoadSettings};
+use super::walk::Scenarios;
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
 use crate::genome::Network;
 use crate::math::{Rejected, cpu_seconds};
@@ -51,7 +54,7 @@ pub struct Candidate {
     pub outcome: Outcome,
     /// The shell, once there is one.
     pub mesh: Option<ShellMesh>,
-    /// Both walked scenarios, when it was evaluated.
+    /// The walked scenarios, when it was evaluated.
     pub scenarios: Option<Scenarios>,
     /// CPU seconds.
     pub seconds: StageSeconds,
@@ -115,10 +118,12 @@ pub fn evaluate_network_until(
         Err(reason) => return Ok(rejected(reason, None, seconds)),
     };
     let CandidateSettings { material, load, fitness, backend, .. } = settings;
-    let evaluated = evaluate(&mesh, material, load, fitness, *backend, stop)?;
+    let part = ShellPart { shell: &mesh, material };
+    let evaluated = evaluate(&part, load, fitness, *backend, stop);
     let total = cpu_seconds() - start;
     match evaluated {
-        Err(reason) => {
+        Err(NotEvaluated::Unevaluated(why)) => Err(why),
+        Err(NotEvaluated::Rejected(reason)) => {
             seconds.rest = total - seconds.meshing;
             Ok(rejected(reason, Some(mesh), seconds))
         }

@@ -5,14 +5,15 @@
 //!                 over the samples p_k that both paths have
 //! ```
 //!
-//! Angles are the chord's, forces the plane's; work and growth are those of the chamber's volume, which is the same for the
-//! mid-surface and for the chamber itself as far as the wall keeps its volume.
+//! Angles, work and growth are those of the scenarios that branch off from no other, forces those of the planes in the others: the largest
+//! deviation of each. Angles are the chord's; work and growth are those of the chamber's volume, which is the same for the mid-surface and
+//! for the chamber itself as far as the wall keeps its volume.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::evaluate::Scenarios;
 use super::observation::Observation;
+use super::walk::Scenarios;
 
 /// What a deviation means.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -53,7 +54,7 @@ pub struct Certificate {
     pub work: f64,
     /// Deviation of the volume's growth.
     pub growth: f64,
-    /// Share of the pressures reached that both reached, bending and blocked.
+    /// Share of the pressures reached that both reached, the least of all scenarios.
     pub common_pressure: f64,
     /// What follows.
     pub verdict: Verdict,
@@ -63,13 +64,23 @@ impl Certificate {
     /// Compares the scenarios of a design's `shell` with those of its `solid`.
     #[must_use]
     pub fn new(shell: &Scenarios, solid: &Scenarios, settings: &FidelitySettings) -> Self {
-        let free = [&shell.free_rows[..], &solid.free_rows];
-        let blocked = [&shell.blocked_rows[..], &solid.blocked_rows];
-        let angle = deviation(free, LEAST_ANGLE, |row, _| row.angle_deg);
-        let force = deviation(blocked, 0.0, |row, _| row.plane_force);
-        let work = deviation(free, 0.0, |row, _| row.work);
-        let growth = deviation(free, 0.0, |row, rest| row.volume - rest.volume);
-        let common_pressure = common_pressure(free).min(common_pressure(blocked));
+        let rows = shell.walked.iter().filter_map(|shell| {
+            let other = solid.walked.iter().find(|solid| solid.scenario == shell.scenario)?;
+            Some((shell.scenario, [&shell.rows[..], &other.rows]))
+        });
+        let (mut angle, mut force, mut work, mut growth) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+        let mut common = 1.0_f64;
+        for (scenario, rows) in rows {
+            if scenario.branches_off.is_none() {
+                angle = angle.max(deviation(rows, LEAST_ANGLE, |row, _| row.angle_deg));
+                work = work.max(deviation(rows, 0.0, |row, _| row.work));
+                growth = growth.max(deviation(rows, 0.0, |row, rest| row.volume - rest.volume));
+            } else {
+                force = force.max(deviation(rows, 0.0, |row, _| row.plane_force));
+            }
+            common = common.min(common_pressure(rows));
+        }
+        let common_pressure = common;
         let largest = [angle, force, work, growth].into_iter().fold(0.0, f64::max);
         let verdict = if largest <= settings.trust && common_pressure == 1.0 {
             Verdict::Trust

@@ -1,27 +1,38 @@
 //! How good is that? Scenarios, what is read off their paths, and the objectives.
 //!
-//! Two scenarios share one path until the part touches the plane: bending freely, and pressing on a plane.
+//! Scenarios ([`SCENARIOS`]) and objectives ([`OBJECTIVES`]) are lists. A scenario is the path of the one that it branches off from until the
+//! part comes near its planes: bending freely and pressing on a plane are one path until then.
 
 mod candidate;
 mod evaluate;
+mod evaluation;
 mod exploit;
 mod fidelity;
-mod further;
+mod merit;
 mod objective;
 mod observation;
 mod outcome;
+mod part;
+mod scenario;
+mod settings;
 mod turning;
+mod walk;
 
 pub use candidate::{
     Candidate, CandidateSettings, evaluate_network, evaluate_network_until, shell_of_network,
 };
-pub use evaluate::{
-    Evaluation, FitnessSettings, LoadSettings, Scenarios, evaluate, evaluate_model,
-};
+pub use evaluate::evaluate;
+pub use evaluation::{Evaluation, ScenarioEnding};
 pub use exploit::{Exploit, flags};
 pub use fidelity::{Certificate, FidelitySettings, Verdict};
-pub use further::{FurtherObjective, Reading, Sense, UnknownObjective};
-pub use objective::{bending, blocking, figure_of_merit};
-pub use observation::{Observation, Watched, observations, stability};
-pub use outcome::{Outcome, StageSeconds, Unevaluated};
+pub use merit::figure_of_merit;
+pub use objective::{
+    Asked, OBJECTIVES, Objective, Reading, Samples, Sense, UnknownObjective, Value, objective,
+};
+pub use observation::{Observation, Stability, Watched, observations};
+pub use outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
+pub use part::{Part, ShellPart};
+pub use scenario::{Arrangement, SCENARIOS, Scenario};
+pub use settings::{FitnessSettings, LoadSettings};
 pub use turning::Turning;
+pub use walk::{Scenarios, Walked};

@@ -53,8 +53,8 @@ pub struct Observation {
     pub newton_iterations: usize,
     /// Steps given up since the row before.
     pub step_cuts: usize,
-    /// `stable`, `unstable`, or `snapped` on the way from the row before.
-    pub stability: &'static str,
+    /// Whether it is stable, or was lost on the way from the row before.
+    pub stability: Stability,
     /// Whether it stands at a sample of the programme: only such rows are compared between designs.
     pub is_sample: bool,
 }
@@ -80,19 +80,43 @@ impl Observation {
             self_contact_force: None,
             newton_iterations: 0,
             step_cuts: 0,
-            stability: "stable",
+            stability: Stability::Stable,
             is_sample: true,
         }
     }
 }
 
-/// What [`Observation::stability`] says of a point.
-#[must_use]
-pub fn stability(point: &PathPoint) -> &'static str {
-    match point {
-        PathPoint { snap: Some(_), .. } => "snapped",
-        PathPoint { is_stable: true, .. } => "stable",
-        _ => "unstable",
+/// How a point of a path stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stability {
+    /// No direction is lost.
+    Stable,
+    /// A direction is lost.
+    Unstable,
+    /// It is where the part came to rest after it lost its stability.
+    Snapped,
+}
+
+impl Stability {
+    /// That of `point`.
+    #[must_use]
+    pub fn of(point: &PathPoint) -> Self {
+        match point {
+            PathPoint { snap: Some(_), .. } => Self::Snapped,
+            PathPoint { is_stable: true, .. } => Self::Stable,
+            _ => Self::Unstable,
+        }
+    }
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Unstable => "unstable",
+            Self::Snapped => "snapped",
+        }
     }
 }
 
@@ -152,7 +176,7 @@ pub fn observations<'a>(
             self_contact_force: has_contact.then(|| model.self_contact_force(&point.x)),
             newton_iterations: point.newton_iterations,
             step_cuts: point.cuts,
-            stability: stability(point),
+            stability: Stability::of(point),
             is_sample: point.is_sample,
         }
     };

@@ -38,11 +38,34 @@ pub enum Unevaluated {
     Stopped,
 }
 
+/// Why there are no objectives of a design.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotEvaluated {
+    /// The design fails: that is its outcome.
+    #[error("{0}")]
+    Rejected(Rejected),
+    /// It has no outcome.
+    #[error(transparent)]
+    Unevaluated(#[from] Unevaluated),
+}
+
+impl From<Rejected> for NotEvaluated {
+    fn from(rejected: Rejected) -> Self {
+        Self::Rejected(rejected)
+    }
+}
+
+impl From<SolverFailure> for NotEvaluated {
+    fn from(failure: SolverFailure) -> Self {
+        Self::Unevaluated(failure.into())
+    }
+}
+
 /// The result of evaluating a candidate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "status", rename_all = "snake_case")]
 pub enum Outcome {
-    /// Both scenarios were walked to the largest pressure.
+    /// All scenarios were walked, and the objectives read off.
     Evaluated(Evaluation),
     /// The design failed.
     Rejected(Rejected),

@@ -1,9 +1,11 @@
-//! Tables: one `serde` row a line, the field names on top.
+//! Tables: one row a line, the names of the columns on top.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{InputError, OutputError, atomic};
 
@@ -42,6 +44,69 @@ pub enum Cell<'a> {
     Flag(bool),
     /// An empty cell.
     Nothing,
+}
+
+/// A row whose columns are only known when it is made.
+pub trait Cells {
+    /// The names of its columns with what stands there, from the left.
+    fn cells(&self) -> Vec<(String, Cell<'_>)>;
+}
+
+/// Serializes a row as a map from the names of its columns.
+///
+/// # Errors
+/// Those of `serializer`.
+pub fn as_map<S: Serializer>(row: &impl Cells, serializer: S) -> Result<S::Ok, S::Error> {
+    let cells = row.cells();
+    let mut map = serializer.serialize_map(Some(cells.len()))?;
+    for (name, cell) in &cells {
+        map.serialize_entry(name, cell)?;
+    }
+    map.end()
+}
+
+/// The numbers of a row by the names of their columns, `None` if a cell has none; for a flattened field of a struct, of the columns that no
+/// other field has taken.
+///
+/// # Errors
+/// Those of `deserializer`.
+pub fn numbers<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<BTreeMap<String, Option<f64>>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Entry {
+        Number(f64),
+        Other(IgnoredAny),
+    }
+    let entries = BTreeMap::<String, Entry>::deserialize(deserializer)?;
+    let number = |(name, entry)| match entry {
+        Entry::Number(number) => (name, Some(number)),
+        Entry::Other(IgnoredAny) => (name, None),
+    };
+    Ok(entries.into_iter().map(number).collect())
+}
+
+/// Writes `rows` as the CSV file `path`, whole or not at all; no rows make an empty file.
+///
+/// The columns are those of the row that has the most; where a row lacks one its cell is empty.
+///
+/// # Errors
+/// [`OutputError`] when the file system refuses.
+pub fn write_cells<'a, R: Cells>(path: &Path, rows: &'a [R]) -> Result<(), OutputError> {
+    let rows: Vec<Vec<(String, Cell<'a>)>> = rows.iter().map(Cells::cells).collect();
+    // The first of several.
+    let longest = rows.iter().rev().max_by_key(|row| row.len());
+    let Some(longest) = longest else { return atomic::write(path, &[]) };
+    let mut table = Table::default();
+    for (name, _) in longest {
+        let cell = |row: &Vec<(String, Cell<'a>)>| {
+            let found = row.iter().find(|(column, _)| column == name);
+            found.map_or(Cell::Nothing, |(_, cell)| *cell)
+        };
+        table.push(name.clone(), rows.iter().map(cell));
+    }
+    table.write(path)
 }
 
 impl<'a> Table<'a> {
@@ -140,6 +205,29 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         let rows = "0,0.30000000000000004,stable,true\n1,inf,\"a, b\",\n";
         assert_eq!(text, format!("step,force_N,stability,is_sample\n{rows}"));
+    }
+
+    impl Cells for Row {
+        fn cells(&self) -> Vec<(String, Cell<'_>)> {
+            let force = self.force.map_or(Cell::Nothing, Cell::Number);
+            vec![("label".to_owned(), Cell::Word(&self.label)), ("force".to_owned(), force)]
+        }
+    }
+
+    #[test]
+    fn rows_of_cells_are_those_of_fields() {
+        let folder = tempfile::tempdir().unwrap();
+        let [fields, cells] = ["a.csv", "b.csv"].map(|name| folder.path().join(name));
+        let rows = [Row { label: "a".to_owned(), force: Some(0.1 + 0.2) }];
+        for rows in [&rows[..], &[]] {
+            write(&fields, rows).unwrap();
+            write_cells(&cells, rows).unwrap();
+            let [fields, cells] = [&fields, &cells].map(|path| std::fs::read(path).unwrap());
+            assert_eq!(fields, cells);
+        }
+        let mut json = Vec::new();
+        as_map(&rows[0], &mut serde_json::Serializer::new(&mut json)).unwrap();
+        assert_eq!(json, serde_json::to_vec(&rows[0]).unwrap());
     }
 
     #[test]

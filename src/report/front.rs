@@ -1,131 +1,163 @@
-//! The Pareto front, twice: in the two objectives, and on the axes on which the literature is compared.
+//! The Pareto front, twice: in the first two objectives, and on the axes on which the literature is compared.
 //!
-//! Left: bending against blocking objective, with everything evaluated behind the front.
+//! Left: the first objective against the second, with everything evaluated behind the front.
 //! Right: Smith et al. (2022), Fig. 3, both axes logarithmic; a design whose force or angle is not
 //! positive stands on the edge, as a ring. A front in the left panel need not be one in the right.
 
 use plotters::prelude::*;
-use serde::{Serialize, Serializer, ser::SerializeStruct};
+use serde::{Serialize, Serializer};
 
 use super::canvas::{
     self, Area, Drawn, Frame, INK, Mark, OTHERS, OURS, SMITH, Shape, linear_range, log_range,
 };
 use super::literature::{Published, Set, Technique, published};
+use crate::io::csv::{self, Cell, Cells};
 
 /// One design of the front as the figures and tables show it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontPoint {
     /// The design's name.
     pub id: String,
-    /// Bending objective `F_c`, rad/(m J)^(1/p); larger is better.
-    pub bending: f64,
-    /// Blocking objective `F_bf`, force per pressure, N/kPa; larger is better.
-    pub blocking: f64,
+    /// Its objectives, at least two: the first two are the axes of figures, and stand first in tables.
+    pub objectives: Vec<Column>,
     /// Bending angle per pressure and length, deg/(kPa m).
     pub figure_of_merit: f64,
     /// Largest blocking force, N.
     pub max_force: f64,
     /// Reasons to doubt its objectives, separated by spaces; empty where there are none.
     pub flags: String,
-    /// What the run asked besides bending and blocking.
-    pub further: Vec<Column>,
     /// What it reached, where that is known.
     pub reached: Option<Reached>,
-    /// How far it depends on the mesh, where that was estimated; of tables for people alone.
-    pub mesh_error: Option<MeshError>,
+    /// Of each objective by how much it is off for the mesh, as a second mesh estimates, %, or `None` if that gives nothing to compare;
+    /// empty where nothing was estimated. Of tables for people alone.
+    pub mesh_errors: Vec<Option<f64>>,
 }
 
-/// By how much the objectives of a design are off for its mesh, as a second mesh estimates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshError {
-    /// Of the bending objective, %; none where the second mesh gives nothing to compare.
-    pub bending_percent: Option<f64>,
-    /// Of the blocking objective, %.
-    pub blocking_percent: Option<f64>,
+/// How many objectives are axes of figures.
+const AXES: usize = 2;
+
+impl FrontPoint {
+    /// The objectives that are axes of figures.
+    #[must_use]
+    pub fn leading(&self) -> &[Column] {
+        &self.objectives[..AXES]
+    }
+
+    /// The other objectives.
+    #[must_use]
+    pub fn further(&self) -> &[Column] {
+        &self.objectives[AXES..]
+    }
+
+    /// Its place in figures: the first two objectives.
+    #[must_use]
+    pub fn place(&self) -> [f64; 2] {
+        [self.objectives[0].value, self.objectives[1].value]
+    }
 }
 
 /// What a design reached at the pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
-    /// Chord angle of the tip at the end of the free path, degrees.
+    /// Chord angle of the tip at the end of the first scenario's path, degrees.
     pub angle_deg: f64,
-    /// Pressure there, MPa: below the run's where the part itself ended the path.
-    pub bending_pressure: f64,
-    /// Pressure at the end of the blocked path, MPa.
-    pub blocking_pressure: f64,
+    /// Of each scenario the name of its column and the pressure at the end of its path, MPa: below the run's where the part itself ended
+    /// the path.
+    pub pressures: Vec<(String, f64)>,
 }
 
-/// A design's value in a column that not every table has.
+/// A design's value of an objective.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// What stands above it.
+    /// What stands above it in files.
     pub name: &'static str,
+    /// Its symbol, where it has one.
+    pub symbol: Option<&'static str>,
     /// Its unit.
     pub unit: &'static str,
     /// The value.
     pub value: f64,
 }
 
-/// One row: a column for each field, one for each further objective, and then what was reached.
-impl Serialize for FrontPoint {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { id, bending, blocking, figure_of_merit, max_force, flags, further, .. } = self;
-        let reached = &self.reached;
-        let more = further.len() + if reached.is_some() { 3 } else { 0 };
-        let mut row = serializer.serialize_struct("FrontPoint", 6 + more)?;
-        row.serialize_field("id", id)?;
-        row.serialize_field("bending", bending)?;
-        row.serialize_field("blocking", blocking)?;
-        row.serialize_field("figure_of_merit", figure_of_merit)?;
-        row.serialize_field("max_force", max_force)?;
-        row.serialize_field("flags", flags)?;
-        for column in further {
-            row.serialize_field(column.name, &column.value)?;
-        }
-        if let Some(Reached { angle_deg, bending_pressure, blocking_pressure }) = reached {
-            row.serialize_field("angle_deg", angle_deg)?;
-            row.serialize_field("bending_pressure", bending_pressure)?;
-            row.serialize_field("blocking_pressure", blocking_pressure)?;
-        }
-        row.end()
+impl Column {
+    /// What stands above it in tables: the symbol, or the name in words.
+    #[must_use]
+    pub fn title(&self) -> String {
+        self.symbol.map_or_else(|| self.name.replace('_', " "), str::to_owned)
     }
 }
 
-/// The figure of a `front`, over every evaluated pair of objectives (bending, blocking), with the front of `solids` if there is one, as
-/// SVG.
+/// What stands at the axis of a figure: the name of an objective with its symbol and unit.
+#[must_use]
+pub fn axis_label(name: &str, symbol: Option<&str>, unit: &str) -> String {
+    let words = [Some(name.replace('_', " ")), symbol.map(str::to_owned)];
+    let words: Vec<String> = words.into_iter().flatten().collect();
+    format!("{}, {}", words.join(" "), unit.replace(' ', "·"))
+}
+
+impl Cells for FrontPoint {
+    fn cells(&self) -> Vec<(String, Cell<'_>)> {
+        let number = |name: &str, value| (name.to_owned(), Cell::Number(value));
+        let objective = |column: &Column| number(column.name, column.value);
+        let mut cells = vec![("id".to_owned(), Cell::Word(&self.id))];
+        cells.extend(self.leading().iter().map(objective));
+        cells.push(number("figure_of_merit", self.figure_of_merit));
+        cells.push(number("max_force", self.max_force));
+        cells.push(("flags".to_owned(), Cell::Word(&self.flags)));
+        cells.extend(self.further().iter().map(objective));
+        if let Some(Reached { angle_deg, pressures }) = &self.reached {
+            cells.push(number("angle_deg", *angle_deg));
+            cells.extend(pressures.iter().map(|(name, pressure)| number(name, *pressure)));
+        }
+        cells
+    }
+}
+
+impl Serialize for FrontPoint {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        csv::as_map(self, serializer)
+    }
+}
+
+/// The figure of a `front` over what stands at its `axes` ([`axis_label`]), with every evaluated pair of these objectives and the front of
+/// `solids` if there is one, as SVG.
 ///
 /// # Panics
 /// Never: drawing into a string cannot fail.
 #[must_use]
-pub fn front_svg(front: &[FrontPoint], evaluated: &[[f64; 2]], solids: &[FrontPoint]) -> String {
+pub fn front_svg(
+    axes: &[String; 2],
+    front: &[FrontPoint],
+    evaluated: &[[f64; 2]],
+    solids: &[FrontPoint],
+) -> String {
     canvas::svg((1240, 640), |area| {
         let (panels, legend) = area.split_vertically(536);
         let (left, right) = panels.split_horizontally(620);
-        draw_objectives(area, &left, front, evaluated, solids)?;
+        draw_objectives(area, &left, axes, front, evaluated, solids)?;
         draw_comparison(area, &right, front, solids)?;
         draw_legends(&legend, !solids.is_empty())
     })
 }
 
-/// The figure of the fronts of two runs with these `names`, in the objectives, as SVG.
+/// The figure of the fronts of two runs with these `names`, over what stands at its `axes`, as SVG.
 ///
 /// # Panics
 /// Never: drawing into a string cannot fail.
 #[must_use]
-pub fn two_fronts_svg(names: [&str; 2], fronts: [&[FrontPoint]; 2]) -> String {
+pub fn two_fronts_svg(axes: &[String; 2], names: [&str; 2], fronts: [&[FrontPoint]; 2]) -> String {
     let marks = [FRONT, Mark { shape: Shape::Square, color: SMITH, radius: 4 }];
     canvas::svg((780, 600), |area| {
         let (panel, legend) = area.split_vertically(536);
-        let at = |point: &FrontPoint| [point.bending, point.blocking];
         let is_finite = |[x, y]: &[f64; 2]| x.is_finite() && y.is_finite();
         let fronts = fronts.map(|front| -> Vec<([f64; 2], &str)> {
-            front.iter().map(at).filter(is_finite).map(|at| (at, "")).collect()
+            front.iter().map(FrontPoint::place).filter(is_finite).map(|at| (at, "")).collect()
         });
         let all = || fronts.iter().flatten();
         let x = linear_range(all().map(|(at, _)| at[0]));
         let y = linear_range(all().map(|(at, _)| at[1]));
         let mut chart = canvas::panel(&panel, "Fronts of two runs")?.build_cartesian_2d(x, y)?;
-        canvas::draw_axes(&mut chart, "bending F_c, rad/(m·J)^(1/p)", "blocking F_bf, N/kPa")?;
+        canvas::draw_axes(&mut chart, &axes[0], &axes[1])?;
         for (front, mark) in fronts.iter().zip(marks) {
             let line = mark.color.mix(0.45).stroke_width(1);
             chart.draw_series(LineSeries::new(staircase(front), line))?;
@@ -148,16 +180,17 @@ const CLEARANCE: i32 = 5;
 fn draw_objectives(
     whole: &Area<'_>,
     panel: &Area<'_>,
+    axes: &[String; 2],
     front: &[FrontPoint],
     evaluated: &[[f64; 2]],
     solids: &[FrontPoint],
 ) -> Drawn {
     let is_finite = |[x, y]: &[f64; 2]| x.is_finite() && y.is_finite();
-    let solids = solids.iter().map(|point| [point.bending, point.blocking]);
+    let solids = solids.iter().map(FrontPoint::place);
     let solids: Vec<_> = solids.filter(is_finite).map(|at| (at, "")).collect();
     let named: Vec<_> = front
         .iter()
-        .map(|point| ([point.bending, point.blocking], point.id.as_str()))
+        .map(|point| (point.place(), point.id.as_str()))
         .filter(|(at, _)| is_finite(at))
         .collect();
     let evaluated: Vec<_> = evaluated.iter().copied().filter(is_finite).collect();
@@ -166,7 +199,7 @@ fn draw_objectives(
     let x = linear_range(all.clone().map(|at| at[0]));
     let y = linear_range(all.map(|at| at[1]));
     let mut chart = canvas::panel(panel, "Objectives of this run")?.build_cartesian_2d(x, y)?;
-    canvas::draw_axes(&mut chart, "bending F_c, rad/(m·J)^(1/p)", "blocking F_bf, N/kPa")?;
+    canvas::draw_axes(&mut chart, &axes[0], &axes[1])?;
     for at in &evaluated {
         EVALUATED.draw(whole, chart.backend_coord(&(at[0], at[1])))?;
     }
@@ -309,6 +342,26 @@ fn frame_of<X: Ranged, Y: Ranged>(area: &DrawingArea<SVGBackend<'_>, Cartesian2d
 }
 
 #[cfg(test)]
+impl FrontPoint {
+    /// A design with these objectives, of which nothing else is known.
+    pub(super) fn of([bending, blocking]: [f64; 2]) -> Self {
+        let column = |name, symbol, unit, value| Column { name, symbol: Some(symbol), unit, value };
+        Self {
+            id: String::new(),
+            objectives: vec![
+                column("bending", "F_c", "rad/(m J)^(1/p)", bending),
+                column("blocking", "F_bf", "N/kPa", blocking),
+            ],
+            figure_of_merit: 0.0,
+            max_force: 0.0,
+            flags: String::new(),
+            reached: None,
+            mesh_errors: Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -316,15 +369,15 @@ mod tests {
         let t = f64::from(i);
         FrontPoint {
             id: format!("design-{i}"),
-            bending: 0.1 * t,
-            blocking: 0.5 - 0.1 * t,
             figure_of_merit: 3.0 * t,
             max_force,
-            flags: String::new(),
-            further: Vec::new(),
-            reached: None,
-            mesh_error: None,
+            ..FrontPoint::of([0.1 * t, 0.5 - 0.1 * t])
         }
+    }
+
+    fn front_svg(front: &[FrontPoint], evaluated: &[[f64; 2]], solids: &[FrontPoint]) -> String {
+        let axes = ["bending", "blocking"].map(|name| axis_label(name, None, "a b"));
+        super::front_svg(&axes, front, evaluated, solids)
     }
 
     /// The centres of the front's marks, in the order drawn.
@@ -386,6 +439,7 @@ mod tests {
     #[test]
     fn two_fronts_have_a_mark_each() {
         let svg = two_fronts_svg(
+            &["x", "y"].map(str::to_owned),
             ["runs/a", "runs/b"],
             [&[point(1, 9.0)], &[point(2, 3.0), point(3, 1.0)]],
         );
@@ -393,6 +447,13 @@ mod tests {
         // One and two in the panel, one each in the legend.
         assert_eq!(marks(&svg).len(), 2);
         assert_eq!(svg.matches("fill=\"#3E6A9E\"").count(), 3);
+    }
+
+    #[test]
+    fn axes_have_names_symbols_and_units() {
+        let bending = axis_label("bending", Some("F_c"), "rad/(m J)^(1/p)");
+        assert_eq!(bending, "bending F_c, rad/(m·J)^(1/p)");
+        assert_eq!(axis_label("wall_volume", None, "cm^3"), "wall volume, cm^3");
     }
 
     #[test]

@@ -143,15 +143,9 @@ mod tests {
     #[test]
     fn a_design_stands_where_its_product_is() {
         let point = |figure_of_merit, max_force| FrontPoint {
-            id: String::new(),
-            bending: 0.0,
-            blocking: 0.0,
             figure_of_merit,
             max_force,
-            flags: String::new(),
-            further: Vec::new(),
-            reached: None,
-            mesh_error: None,
+            ..FrontPoint::of([0.0; 2])
         };
         // The same geometry of a material ten times as stiff, and one without force.
         let front = [point(10.0, 1.0), point(1.0, 10.0), point(1.0, 0.0)];

@@ -120,14 +120,8 @@ mod tests {
         let markup = "<script>alert(1)</script>";
         let point = FrontPoint {
             id: markup.to_owned(),
-            bending: 1.0,
-            blocking: 2.0,
-            figure_of_merit: 3.0,
-            max_force: 4.0,
             flags: markup.to_owned(),
-            further: Vec::new(),
-            reached: None,
-            mesh_error: None,
+            ..FrontPoint::of([1.0, 2.0])
         };
         let outcome = OutcomeCount { outcome: markup.to_owned(), rejected: true, candidates: 7 };
         let page = ReportPage {

@@ -1,54 +1,66 @@
 //! The front as plain text for a terminal: one design a line, numbers right-aligned.
 
-use super::{FrontPoint, Reached};
+use super::{Column, FrontPoint};
 
 /// The table of a `front`, in its order, ending with a line break.
 #[must_use]
 pub fn front_table(front: &[FrontPoint]) -> String {
-    let further = front.first().map_or(&[][..], |point| &point.further);
     let has_reached = front.iter().any(|point| point.reached.is_some());
-    let has_errors = front.iter().any(|point| point.mesh_error.is_some());
-    let row = |id: &str,
-               numbers: [&str; 4],
-               [reached, errors]: [[&str; 2]; 2],
-               further: Vec<String>,
-               flags: &str| {
-        let begin = [id].into_iter().chain(numbers).map(str::to_owned);
-        let reached = reached.into_iter().filter(|_| has_reached).map(str::to_owned);
-        let errors = errors.into_iter().filter(|_| has_errors).map(str::to_owned);
-        begin.chain(reached).chain(errors).chain(further).chain([flags.to_owned()]).collect()
+    let has_errors = front.iter().any(|point| !point.mesh_errors.is_empty());
+    let objectives = front.first().map_or(&[][..], |point| &point.objectives);
+    let (leading, further) =
+        front.first().map_or((&[][..], &[][..]), |point| (point.leading(), point.further()));
+    let titles = |columns: &[Column]| columns.iter().map(Column::title).collect::<Vec<_>>();
+    let units =
+        |columns: &[Column]| columns.iter().map(|column| plain(column.unit)).collect::<Vec<_>>();
+    let cells = |cells: &[&str]| cells.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
+    let row = |parts: [Vec<String>; 7]| {
+        let [id, leading, figures, reached, errors, further, flags] = parts;
+        let reached = if has_reached { reached } else { Vec::new() };
+        let errors = if has_errors { errors } else { Vec::new() };
+        [id, leading, figures, reached, errors, further, flags].concat()
     };
-    let names = ["F_c", "F_bf", "figure of merit", "largest force"];
-    let units = ["rad/(m J)^1/p", "N/kPa", "deg/(kPa m)", "N"];
-    let further_names = further.iter().map(|c| c.name.replace('_', " ")).collect();
-    let further_units = further.iter().map(|column| column.unit.to_owned()).collect();
-    let head: [Vec<String>; 2] = [
-        row(
-            "design",
-            names,
-            [["angle", "at pressure"], ["F_c by mesh", "F_bf"]],
-            further_names,
-            "flags",
-        ),
-        row("", units, [["deg", "MPa"], ["+- %", "+- %"]], further_units, ""),
+    let mut by_mesh = titles(objectives);
+    by_mesh.iter_mut().take(1).for_each(|title| title.push_str(" by mesh"));
+    let head = [
+        row([
+            cells(&["design"]),
+            titles(leading),
+            cells(&["figure of merit", "largest force"]),
+            cells(&["angle", "at pressure"]),
+            by_mesh,
+            titles(further),
+            cells(&["flags"]),
+        ]),
+        row([
+            cells(&[""]),
+            units(leading),
+            cells(&["deg/(kPa m)", "N"]),
+            cells(&["deg", "MPa"]),
+            vec!["+- %".to_owned(); objectives.len()],
+            units(further),
+            cells(&[""]),
+        ]),
     ];
     let rows = front.iter().map(|point| {
-        let numbers = [point.bending, point.blocking, point.figure_of_merit, point.max_force];
-        let numbers = numbers.map(significant);
-        let reached = point.reached.map_or([const { String::new() }; 2], |reached| {
-            let Reached { angle_deg, bending_pressure, .. } = reached;
-            [angle_deg, bending_pressure].map(significant)
+        let values = |columns: &[Column]| columns.iter().map(|c| significant(c.value)).collect();
+        let reached = point.reached.as_ref().map_or([f64::NAN; 2], |reached| {
+            [reached.angle_deg, reached.pressures.first().map_or(f64::NAN, |(_, last)| *last)]
         });
-        let errors = point.mesh_error.map_or([const { String::new() }; 2], |error| {
-            let told = |percent: Option<f64>| {
-                percent.map_or_else(|| "?".to_owned(), |percent| format!("{percent:.1}"))
-            };
-            [error.bending_percent, error.blocking_percent].map(told)
-        });
-        let further = point.further.iter().map(|column| significant(column.value)).collect();
-        let numbers = numbers.each_ref().map(String::as_str);
-        let pairs = [&reached, &errors].map(|pair| pair.each_ref().map(String::as_str));
-        row(&point.id, numbers, pairs, further, &point.flags)
+        let reached = reached.map(|x| if x.is_nan() { String::new() } else { significant(x) });
+        let told = |k: usize| {
+            let percent = point.mesh_errors.get(k)?;
+            Some(percent.map_or_else(|| "?".to_owned(), |percent| format!("{percent:.1}")))
+        };
+        row([
+            cells(&[&point.id]),
+            values(point.leading()),
+            [point.figure_of_merit, point.max_force].map(significant).to_vec(),
+            reached.to_vec(),
+            (0..objectives.len()).map(|k| told(k).unwrap_or_default()).collect(),
+            values(point.further()),
+            cells(&[&point.flags]),
+        ])
     });
     let rows: Vec<Vec<String>> = head.into_iter().chain(rows).collect();
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
@@ -63,6 +75,12 @@ pub fn front_table(front: &[FrontPoint]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// A `unit` in few letters: an exponent stands without its parentheses.
+fn plain(unit: &str) -> String {
+    let Some((base, exponent)) = unit.split_once("^(") else { return unit.to_owned() };
+    format!("{base}^{}", exponent.replacen(')', "", 1))
 }
 
 /// Four significant digits, without an exponent where that is short.
@@ -81,20 +99,16 @@ fn significant(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Column, MeshError};
+    use crate::report::Reached;
 
     #[test]
     fn columns_are_aligned_and_digits_significant() {
         let point = |id: &str, bending, max_force| FrontPoint {
             id: id.to_owned(),
-            bending,
-            blocking: 12.0,
             figure_of_merit: 1234567.0,
             max_force,
             flags: if max_force == 0.0 { "tiny_energy".to_owned() } else { String::new() },
-            further: Vec::new(),
-            reached: None,
-            mesh_error: None,
+            ..FrontPoint::of([bending, 12.0])
         };
         let table = front_table(&[point("7", 0.171_23, 0.0), point("g12-03", 54.2, 2e-4)]);
         let expected = "\
@@ -106,23 +120,24 @@ g12-03          54.20  12.00          1.235e6       2.000e-4
         assert_eq!(table, expected);
     }
 
+    fn design() -> FrontPoint {
+        FrontPoint {
+            id: "7".to_owned(),
+            figure_of_merit: 3.0,
+            max_force: 4.0,
+            ..FrontPoint::of([1.0, 2.0])
+        }
+    }
+
     /// Angles stand with the pressure that they were reached at.
     #[test]
     fn what_was_reached_is_in_degrees() {
         let point = FrontPoint {
-            id: "7".to_owned(),
-            bending: 1.0,
-            blocking: 2.0,
-            figure_of_merit: 3.0,
-            max_force: 4.0,
-            flags: String::new(),
-            further: Vec::new(),
             reached: Some(Reached {
                 angle_deg: 43.21,
-                bending_pressure: 0.15,
-                blocking_pressure: 0.2,
+                pressures: vec![("a".to_owned(), 0.15), ("b".to_owned(), 0.2)],
             }),
-            mesh_error: None,
+            ..design()
         };
         let table = front_table(&[point]);
         let ends = ["angle  at pressure  flags", "deg          MPa", "43.21       0.1500"];
@@ -134,17 +149,7 @@ g12-03          54.20  12.00          1.235e6       2.000e-4
     /// A question mark where the second mesh gave nothing.
     #[test]
     fn errors_of_the_mesh_stand_beside_the_objectives() {
-        let point = FrontPoint {
-            id: "7".to_owned(),
-            bending: 1.0,
-            blocking: 2.0,
-            figure_of_merit: 3.0,
-            max_force: 4.0,
-            flags: String::new(),
-            further: Vec::new(),
-            reached: None,
-            mesh_error: Some(MeshError { bending_percent: Some(1.26), blocking_percent: None }),
-        };
+        let point = FrontPoint { mesh_errors: vec![Some(1.26), None], ..design() };
         let table = front_table(&[point]);
         let ends = ["force  F_c by mesh  F_bf  flags", "N         +- %  +- %", "1.3     ?"];
         for (line, end) in table.lines().zip(ends) {
@@ -154,18 +159,9 @@ g12-03          54.20  12.00          1.235e6       2.000e-4
 
     #[test]
     fn further_objectives_are_columns() {
-        let column = Column { name: "wall_volume", unit: "cm^3", value: 12.5 };
-        let point = FrontPoint {
-            id: "7".to_owned(),
-            bending: 1.0,
-            blocking: 2.0,
-            figure_of_merit: 3.0,
-            max_force: 4.0,
-            flags: String::new(),
-            further: vec![column],
-            reached: None,
-            mesh_error: None,
-        };
+        let mut point = design();
+        let (name, unit) = ("wall_volume", "cm^3");
+        point.objectives.push(Column { name, symbol: None, unit, value: 12.5 });
         let table = front_table(&[point]);
         let ends = ["largest force  wall volume  flags", "N         cm^3", "4.000        12.50"];
         for (line, end) in table.lines().zip(ends) {

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 
+use super::certificate_row::{Row, table};
 use super::meaning::Meaning;
 use super::observer::{Limits, Observer};
 use super::overload::overload;
@@ -18,15 +19,16 @@ use super::run_file::RunFile;
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, Threads};
 use crate::evolve::Nsga2;
 use crate::fitness::{
-    CandidateSettings, Certificate, Evaluation, FidelitySettings, Outcome, Scenarios, Unevaluated,
-    Verdict, evaluate_model, evaluate_network, evaluate_network_until, flags,
+    CandidateSettings, Certificate, Evaluation, NotEvaluated, Outcome, Part,
+    Scenarios, Unevaluated, evaluate, evaluate_network, evaluate_network_until,
 };
 use crate::genome::{Genome, Network};
 use crate::io::provenance::COMMIT;
 use crate::io::{FolderLock, OutputFolder, atomic, csv, input, msh};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::ShellMesh;
-use crate::report::FrontPoint;
+use crate::model::material::Material;
+use crate::model::{PartModel, PartSetup};
 use crate::scene::End;
 use crate::scene::part::on_disk::read_network;
 use crate::scene::part::solid_part::{SolidPart, SolidReport, SolidSection};
@@ -38,38 +40,6 @@ use crate::solve::{Backend, Stop};
 pub(crate) struct Design {
     pub name: String,
     pub network: Network,
-}
-
-/// A row of `certificates.csv`; what failed has no numbers behind its reason.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Row {
-    pub design: String,
-    /// A [`Verdict`], or the room and reason of a rejection.
-    pub verdict: String,
-    /// Of the shell, then of the solid.
-    pub bending_shell: Option<f64>,
-    pub bending_solid: Option<f64>,
-    pub blocking_shell: Option<f64>,
-    pub blocking_solid: Option<f64>,
-    pub figure_of_merit_solid: Option<f64>,
-    pub max_force_solid: Option<f64>,
-    /// Reasons to doubt the solid's objectives, by name.
-    pub flags: String,
-    /// Deviations as in [`Certificate`].
-    pub angle: Option<f64>,
-    pub force: Option<f64>,
-    pub work: Option<f64>,
-    pub growth: Option<f64>,
-    #[serde(rename = "common_pressure_MPa", alias = "common_pressure")]
-    pub common_pressure: Option<f64>,
-    /// The largest deviation of a coarser solid.
-    pub coarser_solid: Option<f64>,
-    pub mesher: Option<String>,
-    pub tetrahedra: Option<usize>,
-    pub unknowns: Option<usize>,
-    /// CPU seconds of one thread's clock; meshers run as other processes.
-    pub seconds_shell: Option<f64>,
-    pub seconds_solid: Option<f64>,
 }
 
 /// `certificate.json`.
@@ -147,7 +117,7 @@ pub(crate) fn certify_designs(
         observer,
     };
     let CertifiedRows { rows, is_complete } = certifying.rows(&designs, &executor)?;
-    csv::write(&folder.file("certificates.csv"), &rows)?;
+    csv::write_cells(&folder.file("certificates.csv"), &rows)?;
     observer.table(&table(&rows));
     if !is_complete {
         observer.note(&format!(
@@ -372,7 +342,7 @@ fn certify_design(
     atomic::write(&folder.join(GENOME), design.network.to_toml().as_bytes())?;
     let start = cpu_seconds();
     let candidate = evaluate_network_until(&design.network, settings, stop)?;
-    let row = Row::new(&design.name);
+    let row = Row::new(&design.name, settings.fitness.objectives());
     let (shell, mesh, mut scenarios) =
         match (candidate.outcome, candidate.mesh, candidate.scenarios) {
             (Outcome::Evaluated(shell), Some(mesh), Some(scenarios)) => (shell, mesh, scenarios),
@@ -380,20 +350,15 @@ fn certify_design(
             _ => unreachable!("an evaluated candidate has its mesh and its scenarios"),
         };
     write_surface(folder, &mesh)?;
-    write_scenarios(folder, ["path", "path_blocked"], &mut scenarios, None)?;
-    let row = Row {
-        bending_shell: Some(shell.bending),
-        blocking_shell: Some(shell.blocking),
-        seconds_shell: Some(cpu_seconds() - start),
-        ..row
-    };
+    write_scenarios(folder, "", &mut scenarios, None)?;
+    let row = Row { seconds_shell: Some(cpu_seconds() - start), ..row.with_shell(&shell) };
     let start = cpu_seconds();
     let mut certified = match certify(&mesh, &scenarios, settings, section, stop)? {
         Ok(certified) => certified,
         Err(rejected) => return Ok(row.rejected(&rejected)),
     };
     let solid = &mut certified.scenarios;
-    write_scenarios(folder, ["path_solid", "path_solid_blocked"], solid, None)?;
+    write_scenarios(folder, "solid", solid, None)?;
     let Certified { part, evaluation, certificate, coarser, .. } = &certified;
     msh::write(&folder.join("wall.msh"), &part.mesh)?;
     let sheet = Sheet {
@@ -404,7 +369,8 @@ fn certify_design(
         mesh: &part.report,
     };
     write_json(&folder.join("certificate.json"), &sheet)?;
-    Ok(Row { seconds_solid: Some(cpu_seconds() - start), ..row.certified(&certified) })
+    let row = row.certified(evaluation, &part.report, certificate, coarser.as_ref());
+    Ok(Row { seconds_solid: Some(cpu_seconds() - start), ..row })
 }
 
 /// Walks the scenarios of the solid around the `shell` whose `scenarios` are known.
@@ -419,19 +385,17 @@ pub(crate) fn certify(
     stop: Stop<'_>,
 ) -> anyhow::Result<Result<Certified, Rejected>> {
     let walked = |section: &SolidSection| -> anyhow::Result<Result<_, Rejected>> {
-        let part = match SolidPart::new(&scenarios.model, shell.thickness, section)? {
-            Ok(part) => part,
+        let solid = match SolidPart::new(scenarios.model(), shell.thickness, section)? {
+            Ok(solid) => solid,
             Err(rejected) => return Ok(Err(rejected)),
         };
-        let plane = settings.fitness.plane(settings.load.pressure);
-        let setup = settings.load.setup(vec![plane]);
-        let model = match part.model(shell, &settings.material, &setup) {
-            Ok(model) => model,
-            Err(rejected) => return Ok(Err(rejected)),
-        };
-        let CandidateSettings { load, fitness, backend, .. } = settings;
-        let evaluated = evaluate_model(shell, model, load, fitness, *backend, stop)?;
-        Ok(evaluated.map(|(evaluation, scenarios)| (part, evaluation, scenarios)))
+        let CandidateSettings { load, fitness, backend, material, .. } = settings;
+        let part = SolidOfShell { solid: &solid, shell, material };
+        match evaluate(&part, load, fitness, *backend, stop) {
+            Ok((evaluation, scenarios)) => Ok(Ok((solid, evaluation, scenarios))),
+            Err(NotEvaluated::Rejected(rejected)) => Ok(Err(rejected)),
+            Err(NotEvaluated::Unevaluated(why)) => Err(why.into()),
+        }
     };
     let (part, evaluation, solid) = match walked(section)? {
         Ok(walked) => walked,
@@ -449,146 +413,29 @@ pub(crate) fn certify(
     Ok(Ok(Certified { part, evaluation, scenarios: solid, certificate, coarser }))
 }
 
+/// The solid of a shell's wall as a part to be evaluated.
+struct SolidOfShell<'a> {
+    solid: &'a SolidPart,
+    shell: &'a ShellMesh,
+    material: &'a Material,
+}
+
+impl Part for SolidOfShell<'_> {
+    fn shell(&self) -> &ShellMesh {
+        self.shell
+    }
+
+    fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected> {
+        self.solid.model(self.shell, self.material, setup)
+    }
+
+    fn wall_volume_cm3(&self) -> f64 {
+        1e-3 * self.solid.report.quality.volume
+    }
+}
+
 /// The row of a finished design, in its folder.
 const ROW: &str = "row.json";
 const MOST_DRAWN: usize = 10_000;
 /// Genomes drawn for each design that is wanted; more than half of them make one.
 const DRAWS_FOR_EACH: usize = 8;
-
-impl Row {
-    pub(crate) fn new(design: &str) -> Self {
-        Self {
-            design: design.to_owned(),
-            verdict: String::new(),
-            bending_shell: None,
-            bending_solid: None,
-            blocking_shell: None,
-            blocking_solid: None,
-            figure_of_merit_solid: None,
-            max_force_solid: None,
-            flags: String::new(),
-            angle: None,
-            force: None,
-            work: None,
-            growth: None,
-            common_pressure: None,
-            coarser_solid: None,
-            mesher: None,
-            tetrahedra: None,
-            unknowns: None,
-            seconds_shell: None,
-            seconds_solid: None,
-        }
-    }
-
-    fn rejected(self, rejected: &Rejected) -> Self {
-        Self { verdict: format!("{:?}/{}", rejected.room, rejected.reason).to_lowercase(), ..self }
-    }
-
-    fn certified(self, certified: &Certified) -> Self {
-        let Certified { part, evaluation, certificate, coarser, .. } = certified;
-        Self {
-            verdict: word(certificate.verdict).to_owned(),
-            bending_solid: Some(evaluation.bending),
-            blocking_solid: Some(evaluation.blocking),
-            figure_of_merit_solid: Some(evaluation.figure_of_merit),
-            max_force_solid: Some(evaluation.max_force),
-            flags: flags(&evaluation.exploits),
-            angle: Some(certificate.angle),
-            force: Some(certificate.force),
-            work: Some(certificate.work),
-            growth: Some(certificate.growth),
-            common_pressure: Some(certificate.common_pressure),
-            coarser_solid: coarser.map(|coarser| coarser.largest()),
-            mesher: Some(part.report.mesher.clone()),
-            tetrahedra: Some(part.report.quality.tetrahedra),
-            unknowns: Some(evaluation.unknowns),
-            ..self
-        }
-    }
-
-    /// Both objectives of the solid, where it has some.
-    pub(crate) fn solid_objectives(&self) -> Option<[f64; 2]> {
-        Some([self.bending_solid?, self.blocking_solid?])
-    }
-
-    /// The solid as figures show it, where it has objectives.
-    pub(crate) fn front_point(&self) -> Option<FrontPoint> {
-        Some(FrontPoint {
-            id: self.design.clone(),
-            bending: self.bending_solid?,
-            blocking: self.blocking_solid?,
-            figure_of_merit: self.figure_of_merit_solid?,
-            max_force: self.max_force_solid?,
-            flags: self.flags.clone(),
-            further: Vec::new(),
-            reached: None,
-            mesh_error: None,
-        })
-    }
-}
-
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Trust => "trust",
-        Verdict::Check => "check",
-        Verdict::Misleads => "misleads",
-    }
-}
-
-/// The rows for a terminal.
-pub(crate) fn table(rows: &[Row]) -> String {
-    let percent = |share: Option<f64>| {
-        share.map_or_else(|| "-".to_owned(), |share| format!("{:.1}", 100.0 * share))
-    };
-    let number = |value: Option<f64>, digits: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
-    };
-    let mut lines = vec![format!(
-        "{:<12} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8}  verdict",
-        "design",
-        "F_c",
-        "solid",
-        "F_bf",
-        "solid",
-        "angle%",
-        "force%",
-        "work%",
-        "grow%",
-        "coarse%",
-        "tets",
-        "CPU s"
-    )];
-    for row in rows {
-        lines.push(format!(
-            "{:<12} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8}  {}",
-            row.design,
-            number(row.bending_shell, 4),
-            number(row.bending_solid, 4),
-            number(row.blocking_shell, 5),
-            number(row.blocking_solid, 5),
-            percent(row.angle),
-            percent(row.force),
-            percent(row.work),
-            percent(row.growth),
-            percent(row.coarser_solid),
-            row.tetrahedra.map_or_else(|| "-".to_owned(), |count| count.to_string()),
-            number(row.seconds_solid, 1),
-            row.verdict
-        ));
-    }
-    lines.join("\n")
-}
-
-/// What of a run's certificates is told to a person who wants one line.
-pub(crate) fn summary(rows: &[Row], settings: &FidelitySettings) -> String {
-    let count = |verdict: Verdict| rows.iter().filter(|row| row.verdict == word(verdict)).count();
-    let [trust, check, misleads] = [Verdict::Trust, Verdict::Check, Verdict::Misleads].map(count);
-    format!(
-        "of {} designs the shell is right within {:.0} % for {trust}, within {:.0} % for {check}, misleads for {misleads}; {} have no solid",
-        rows.len(),
-        100.0 * settings.trust,
-        100.0 * settings.check,
-        rows.len() - trust - check - misleads
-    )
-}

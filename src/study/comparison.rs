@@ -2,18 +2,20 @@
 //!
 //! ```text
 //! coverage(A, B) = share of B's front that some design of A's front dominates or equals      (Zitzler & Thiele 1999)
-//! hypervolume    = area of objectives that a front dominates, from 0 on, both objectives made large
+//! hypervolume    = volume of objectives that a front dominates, from the worst of each on (of the two of every run: 0)
 //! ```
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, ensure};
 use serde::Serialize;
 
+use super::front_rows::axes;
 use super::run_file::RunFile;
 use super::run_folder::{Record, RunFolder};
 use crate::evolve::{Nsga2, hypervolume};
-use crate::fitness::Outcome;
+use crate::fitness::{OBJECTIVES, Objective, Outcome};
 use crate::io::{OutputFolder, atomic};
 use crate::report::{FrontPoint, png, two_fronts_svg};
 use crate::scene::results::design_folder::write_json;
@@ -34,12 +36,13 @@ struct Side {
     evaluated: usize,
     core_hours: f64,
     front: usize,
-    /// Of bending and blocking, rad/(m J)^(1/p) N/kPa.
+    /// Of the objectives that both runs have, product of their units.
     hypervolume: f64,
     best_angle_deg: f64,
     best_force: f64,
-    best_bending: f64,
-    best_blocking: f64,
+    /// Of these objectives, `best_<name>`.
+    #[serde(flatten)]
+    best: BTreeMap<String, f64>,
     best_figure_of_merit: f64,
     /// Designs of the other front that one of this dominates or equals.
     covers: usize,
@@ -63,7 +66,7 @@ pub(crate) fn compare(folders: [&Path; 2], out: Option<&Path>) -> anyhow::Result
     };
     if let Some(out) = out {
         let names = folders.map(|folder| folder.display().to_string());
-        let svg = two_fronts_svg([&names[0], &names[1]], [&one.front, &other.front]);
+        let svg = two_fronts_svg(&axes(), [&names[0], &names[1]], [&one.front, &other.front]);
         let folder = OutputFolder::create_new(out)?;
         atomic::write(&folder.file("fronts.svg"), svg.as_bytes())?;
         atomic::write(&folder.file("fronts.png"), &png(&svg, 2.0))?;
@@ -100,9 +103,19 @@ impl Run {
 
     fn against(&self, other: &Self) -> Side {
         let best = |value: fn(&FrontPoint) -> f64| self.front.iter().map(value).fold(0.0, f64::max);
-        let objectives: Vec<[f64; 2]> =
-            self.front.iter().map(|point| [-point.bending, -point.blocking]).collect();
-        let objectives: Vec<&[f64]> = objectives.iter().map(|pair| &pair[..]).collect();
+        let common = common(&self.front, &other.front);
+        let minimized = |point: &FrontPoint| -> Vec<f64> {
+            common.iter().filter_map(|one| Some(one.minimized(value(point, one)?))).collect()
+        };
+        let objectives: Vec<Vec<f64>> = self.front.iter().map(minimized).collect();
+        let worst: Vec<f64> = common.iter().map(|one| one.minimized(one.worst)).collect();
+        let best_of = |(k, one): (usize, &&Objective)| {
+            let values = objectives.iter().map(|values| values[k]);
+            (format!("best_{}", one.name), one.best_of(values))
+        };
+        let covers = |a: &FrontPoint, b: &FrontPoint| {
+            minimized(a).iter().zip(minimized(b)).all(|(a, b)| *a <= b)
+        };
         let is_evaluated = |record: &&Record| matches!(record.outcome, Outcome::Evaluated(_));
         let seconds: f64 = self.records.iter().map(|record| record.cpu_seconds.total()).sum();
         let is_covered = |theirs: &&FrontPoint| self.front.iter().any(|ours| covers(ours, theirs));
@@ -115,11 +128,12 @@ impl Run {
             evaluated: self.records.iter().filter(is_evaluated).count(),
             core_hours: seconds / 3600.0,
             front: self.front.len(),
-            hypervolume: hypervolume(&objectives, &[0.0, 0.0]),
-            best_angle_deg: best(|point| point.reached.map_or(0.0, |reached| reached.angle_deg)),
+            hypervolume: hypervolume(&objectives, &worst),
+            best_angle_deg: best(|point| {
+                point.reached.as_ref().map_or(0.0, |reached| reached.angle_deg)
+            }),
             best_force: best(|point| point.max_force),
-            best_bending: best(|point| point.bending),
-            best_blocking: best(|point| point.blocking),
+            best: common.iter().enumerate().map(best_of).collect(),
             best_figure_of_merit: best(|point| point.figure_of_merit),
             covers: other.front.iter().filter(is_covered).count(),
             of_common_front: self.front.iter().filter(|ours| !is_beaten(ours)).count(),
@@ -127,9 +141,18 @@ impl Run {
     }
 }
 
-/// Whether `a` is no worse than `b` in both objectives.
-fn covers(a: &FrontPoint, b: &FrontPoint) -> bool {
-    a.bending >= b.bending && a.blocking >= b.blocking
+/// The objectives that the designs of both fronts have.
+fn common(one: &[FrontPoint], other: &[FrontPoint]) -> Vec<&'static Objective> {
+    let all_have = |objective: &&Objective| {
+        one.iter().chain(other).all(|point| value(point, objective).is_some())
+    };
+    OBJECTIVES.iter().filter(all_have).collect()
+}
+
+/// The value of `objective`; `None` if the design has none.
+fn value(point: &FrontPoint, objective: &Objective) -> Option<f64> {
+    let column = point.objectives.iter().find(|column| column.name == objective.name);
+    column.map(|column| column.value)
 }
 
 /// The keys in which two run files differ, but for those of the search itself.
@@ -176,8 +199,14 @@ impl Comparison {
         text += &row("hypervolume", &|side| format!("{:.4e}", side.hypervolume));
         text += &row("largest angle, deg", &|side| format!("{:.2}", side.best_angle_deg));
         text += &row("largest force, N", &|side| format!("{:.3}", side.best_force));
-        text += &row("best F_c, rad/(m J)^(1/p)", &|side| format!("{:.4}", side.best_bending));
-        text += &row("best F_bf, N/kPa", &|side| format!("{:.5}", side.best_blocking));
+        for objective in OBJECTIVES {
+            let best = |side: &Side| side.best.get(&format!("best_{}", objective.name)).copied();
+            if best(one).is_some() {
+                let name = format!("best {}, {}", objective.title(), objective.unit);
+                let digits = objective.decimals;
+                text += &row(&name, &|side| format!("{:.digits$}", best(side).unwrap_or_default()));
+            }
+        }
         text +=
             &row("best merit, deg/(kPa m)", &|side| format!("{:.3}", side.best_figure_of_merit));
         text += &row("covers of the other front", &|side| {

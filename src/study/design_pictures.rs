@@ -6,14 +6,15 @@
 
 use std::path::Path;
 
-use anyhow::{Context, ensure};
+use anyhow::ensure;
 use serde::Deserialize;
 
 use super::run_file::RunFile;
-use crate::fitness::{Observation, Scenarios};
+use crate::fitness::{OBJECTIVES, Observation, SCENARIOS, Scenario, Scenarios, Walked};
 use crate::io::{csv, input, vtu_surface};
 use crate::math::Vec3;
 use crate::mesh::ShellMesh;
+use crate::model::contact::PlaneSettings;
 use crate::model::{PartModel, PictureCells};
 use crate::report::{Camera, DesignCurves, Image, Pixels, Rgb};
 use crate::solve::PathPoint;
@@ -122,13 +123,6 @@ pub(crate) struct Blocking {
 }
 
 impl Blocking {
-    pub(crate) fn of(run: &RunFile) -> anyhow::Result<Self> {
-        let normal = Vec3::from(run.fitness.plane_normal);
-        let normal = normal.try_normalize(0.0).context("the plane of [fitness] has no normal")?;
-        let (distance, thickness) = (run.fitness.plane_distance, run.wall.thickness);
-        Ok(Self { normal, distance, thickness })
-    }
-
     /// A point of the plane beside a part that is `at_rest`.
     fn point(&self, at_rest: &TriangleMesh) -> Vec3 {
         let heights = at_rest.positions.iter().map(|x| self.normal.dot(x));
@@ -139,10 +133,58 @@ impl Blocking {
     }
 }
 
-/// A design that bends freely and, where that was computed, against a plane.
+/// A path with what stands in its way.
+pub(crate) struct PicturedPath {
+    /// The name of its scenario.
+    pub name: &'static str,
+    pub path: StoredPath,
+    pub planes: Vec<Blocking>,
+}
+
+impl PicturedPath {
+    /// A path that nothing stands in the way of.
+    pub(crate) fn free(path: StoredPath) -> Self {
+        Self { name: "free", path, planes: Vec::new() }
+    }
+
+    /// The scenarios of a `run` for a design whose path of a name `read` finds.
+    ///
+    /// # Errors
+    /// Those of `read`, and where a plane has no normal.
+    pub(crate) fn stored(
+        run: &RunFile,
+        read: impl Fn(&str) -> anyhow::Result<StoredPath>,
+    ) -> anyhow::Result<Vec<Self>> {
+        let scenarios = run.fitness.scenarios().into_iter();
+        scenarios.map(|one| Self::new(run, one, read(&one.file_stem(""))?)).collect()
+    }
+
+    fn new(run: &RunFile, scenario: Scenario, path: StoredPath) -> anyhow::Result<Self> {
+        let blocking = |plane: &PlaneSettings| {
+            let &PlaneSettings { normal, distance, .. } = plane;
+            ensure!(normal.norm().is_finite(), "the plane of [fitness] has no normal");
+            Ok(Blocking { normal, distance, thickness: run.wall.thickness })
+        };
+        let planes = (scenario.arrangement)(&run.fitness, &run.load).planes;
+        let planes = planes.iter().map(blocking).collect::<anyhow::Result<_>>()?;
+        Ok(Self { name: scenario.name, path, planes })
+    }
+
+    /// What is told below a picture of the state that `row` is of: the force on what stands in the way, else the angle.
+    fn words(&self, row: &Row) -> String {
+        let Row { pressure, angle_deg, plane_force } = row;
+        let (name, pressure) = (self.name, short(*pressure));
+        if self.planes.is_empty() {
+            format!("{name}: {angle_deg:.1} deg at {pressure} MPa")
+        } else {
+            format!("{name}: {plane_force:.2} N at {pressure} MPa")
+        }
+    }
+}
+
+/// A design in its scenarios, at least one.
 pub(crate) struct Pictured {
-    pub free: StoredPath,
-    pub blocked: Option<(StoredPath, Blocking)>,
+    pub paths: Vec<PicturedPath>,
     /// Towards where it moves, or away.
     pub direction: Vec3,
 }
@@ -160,64 +202,58 @@ const DELAY: u16 = 6;
 const LAST_DELAY: u16 = 90;
 
 impl Pictured {
-    /// What was computed of a candidate.
-    pub(crate) fn computed(mesh: &ShellMesh, scenarios: &Scenarios, blocking: Blocking) -> Self {
-        let Scenarios { model, free, blocked, free_rows, blocked_rows, .. } = scenarios;
-        let path = |points: &[PathPoint], rows| StoredPath::computed(mesh, model, points, rows);
-        Self {
-            free: path(&free.points, free_rows),
-            blocked: Some((path(&blocked.points, blocked_rows), blocking)),
-            direction: blocking.normal,
-        }
+    /// What was computed of a candidate of a `run`.
+    ///
+    /// # Errors
+    /// When a plane has no normal.
+    pub(crate) fn computed(
+        mesh: &ShellMesh,
+        scenarios: &Scenarios,
+        run: &RunFile,
+    ) -> anyhow::Result<Self> {
+        let path = |(walked, model): (&Walked, &PartModel)| {
+            let path = StoredPath::computed(mesh, model, &walked.path.points, &walked.rows);
+            PicturedPath::new(run, walked.scenario, path)
+        };
+        let paths = scenarios.with_models().map(path).collect::<anyhow::Result<_>>()?;
+        Ok(Self { paths, direction: Vec3::from(run.fitness.plane_normal).normalize() })
     }
 
-    /// At rest, bent, and pressing on the plane, side by side.
+    /// At rest, and at the end of each scenario, side by side.
     pub(crate) fn still(&self) -> Pixels {
         let camera = self.camera();
-        let (bent, surface) = self.free.last();
-        let mut panels = vec![
-            self.panel(&self.free.surfaces[0], None, &camera, "at rest"),
-            self.panel(
-                surface,
-                None,
-                &camera,
-                &format!("free: {:.1} deg at {} MPa", bent.angle_deg, short(bent.pressure)),
-            ),
-        ];
-        if let Some((path, blocking)) = &self.blocked {
-            let (row, surface) = path.last();
-            let words = format!("blocked: {:.2} N at {} MPa", row.plane_force, short(row.pressure));
-            panels.push(self.panel(surface, Some(blocking), &camera, &words));
+        let mut panels = vec![self.panel(self.at_rest(), &[], &camera, "at rest")];
+        for pictured in &self.paths {
+            let (row, surface) = pictured.path.last();
+            panels.push(self.panel(surface, &pictured.planes, &camera, &pictured.words(row)));
         }
         Pixels::beside(&panels)
     }
 
-    /// Its pictures while it is inflated, free and blocked side by side, each with its time in hundredths of a second.
+    /// Its pictures while it is inflated, all scenarios side by side, each with its time in hundredths of a second.
     pub(crate) fn film(&self) -> Vec<(Pixels, u16)> {
         let camera = self.camera();
-        let paths = [Some(&self.free), self.blocked.as_ref().map(|(path, _)| path)];
-        let states = paths.iter().flatten().map(|path| path.rows.len()).max().unwrap_or(1);
+        let states = self.paths.iter().map(|pictured| pictured.path.rows.len()).max().unwrap_or(1);
         let pictures = BETWEEN * (states - 1);
         let picture = |k: usize| {
             let share = if pictures == 0 { 0.0 } else { k as f64 / pictures as f64 };
-            let (row, surface) = between(&self.free, share);
-            let words = format!("free: {:.1} deg at {} MPa", row.angle_deg, short(row.pressure));
-            let mut panels = vec![self.panel(&surface, None, &camera, &words)];
-            if let Some((path, blocking)) = &self.blocked {
-                let (row, surface) = between(path, share);
-                let words =
-                    format!("blocked: {:.2} N at {} MPa", row.plane_force, short(row.pressure));
-                panels.push(self.panel(&surface, Some(blocking), &camera, &words));
-            }
+            let panel = |pictured: &PicturedPath| {
+                let (row, surface) = between(&pictured.path, share);
+                self.panel(&surface, &pictured.planes, &camera, &pictured.words(&row))
+            };
+            let panels: Vec<Pixels> = self.paths.iter().map(panel).collect();
             (Pixels::beside(&panels), if k == pictures { LAST_DELAY } else { DELAY })
         };
         (0..=pictures).map(picture).collect()
     }
 
+    fn at_rest(&self) -> &TriangleMesh {
+        &self.paths[0].path.surfaces[0]
+    }
+
     /// From where all its states are seen.
     fn camera(&self) -> Camera {
-        let blocked = self.blocked.iter().flat_map(|(path, _)| &path.surfaces);
-        let states = self.free.surfaces.iter().chain(blocked);
+        let states = self.paths.iter().flat_map(|pictured| &pictured.path.surfaces);
         let size = [PANEL[0], PANEL[1] - 2 * FREE];
         Camera::beside(self.direction, states.flat_map(|surface| &surface.positions), size)
     }
@@ -225,14 +261,14 @@ impl Pictured {
     fn panel(
         &self,
         surface: &TriangleMesh,
-        blocking: Option<&Blocking>,
+        planes: &[Blocking],
         camera: &Camera,
         words: &str,
     ) -> Pixels {
         let mut image = Image::new(PANEL);
         image.draw(surface, camera, WALL);
-        if let Some(blocking) = blocking {
-            let at_rest = &self.free.surfaces[0];
+        for blocking in planes {
+            let at_rest = self.at_rest();
             let (low, high) = at_rest.bounding_box().unwrap_or_default();
             let reach = 0.5 * (high - low).norm();
             image.draw_plane(blocking.normal, blocking.point(at_rest), reach, camera, PLANE);
@@ -266,10 +302,13 @@ pub(crate) fn curves(folder: &Path, id: &str) -> anyhow::Result<DesignCurves> {
         let rows = read_rows(folder, name)?;
         Ok(rows.iter().map(|row| [row.pressure, value(row)]).collect())
     };
+    // Of the scenarios behind the axes of the front.
+    let [angle, force] =
+        [0, 1].map(|k| OBJECTIVES[k].scenario.unwrap_or(SCENARIOS[k]).file_stem(""));
     Ok(DesignCurves {
         id: id.to_owned(),
-        angle: of("path", |row| row.angle_deg)?,
-        force: of("path_blocked", |row| row.plane_force)?,
+        angle: of(&angle, |row| row.angle_deg)?,
+        force: of(&force, |row| row.plane_force)?,
     })
 }
 

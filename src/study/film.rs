@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow, ensure};
 
-use super::design_pictures::{Blocking, Pictured, StoredPath};
+use super::design_pictures::{Pictured, PicturedPath, StoredPath};
 use super::run_folder::RunFolder;
 use crate::evolve::IndividualId;
 use crate::fitness::{CandidateSettings, Outcome, evaluate_network};
@@ -41,19 +41,16 @@ fn of_simulation(folder: &Path) -> anyhow::Result<Pictured> {
     let [first, last] = [0, path.surfaces.len() - 1].map(|k| &path.surfaces[k].positions);
     let ways = first.iter().zip(last).map(|(a, b)| b - a);
     let direction = ways.max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or(Vec3::x());
-    Ok(Pictured { free: path, blocked: None, direction })
+    Ok(Pictured { paths: vec![PicturedPath::free(path)], direction })
 }
 
 fn of_run(path: &Path, id: IndividualId) -> anyhow::Result<Pictured> {
     let folder = RunFolder::open(path)?;
     let run = folder.run_file()?;
-    let blocking = Blocking::of(&run)?;
     let stored = folder.path().join("front").join(id.to_string());
     if stored.join("path.csv").exists() {
-        let path = |name| StoredPath::read(&stored, name);
-        let blocked = Some((path("path_blocked")?, blocking));
-        let direction = Vec3::from(run.fitness.plane_normal);
-        return Ok(Pictured { free: path("path")?, blocked, direction });
+        let paths = PicturedPath::stored(&run, |name| StoredPath::read(&stored, name))?;
+        return Ok(Pictured { paths, direction: Vec3::from(run.fitness.plane_normal) });
     }
     let record = folder.record(id)?;
     let record = record.ok_or_else(|| {
@@ -69,7 +66,7 @@ fn of_run(path: &Path, id: IndividualId) -> anyhow::Result<Pictured> {
     let (Some(mesh), Some(scenarios)) = (candidate.mesh, candidate.scenarios) else {
         return Err(anyhow!("{id} was evaluated by the run, and is rejected by this program"));
     };
-    Ok(Pictured::computed(&mesh, &scenarios, blocking))
+    Pictured::computed(&mesh, &scenarios, &run)
 }
 
 /// The last part of a path, links and dots followed.

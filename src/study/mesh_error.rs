@@ -7,28 +7,72 @@
 //!
 //! Source: Roache (1994), Perspective: a method for uniform reporting of grid refinement studies, J. Fluids Eng. 116.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer};
 
-use crate::fitness::{CandidateSettings, Evaluation, Outcome, evaluate_network};
+use crate::fitness::{
+    CandidateSettings, Evaluation, OBJECTIVES, Objective, Outcome, evaluate_network,
+};
 use crate::genome::Network;
-use crate::report::MeshError;
+use crate::io::csv::{self, Cell, Cells};
 
 /// The longer edges over the shorter ones.
 const RATIO: f64 = 4.0 / 3.0;
 
 /// One row of `front_error.csv`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 pub(crate) struct MeshErrorRow {
     pub id: String,
     pub edge_mm: f64,
     pub second_edge_mm: f64,
-    /// Objectives with the second mesh; none where the design is rejected with both longer and shorter edges.
-    pub bending_second: Option<f64>,
-    pub blocking_second: Option<f64>,
-    pub bending_error_percent: Option<f64>,
-    pub blocking_error_percent: Option<f64>,
+    /// The objectives that were asked, in the order of [`OBJECTIVES`].
+    #[serde(flatten, deserialize_with = "objectives")]
+    pub objectives: Vec<Second>,
     /// Why it is rejected with the last of them.
     pub rejected: Option<String>,
+}
+
+/// An objective with the second mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Second {
+    pub objective: &'static Objective,
+    /// `None` if the design is rejected with both longer and shorter edges.
+    pub value: Option<f64>,
+    pub error_percent: Option<f64>,
+}
+
+/// The objectives of which there are columns.
+fn objectives<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Second>, D::Error> {
+    let numbers = csv::numbers(deserializer)?;
+    let second = |objective: &'static Objective| {
+        let of = |what: &str| numbers.get(&format!("{}_{what}", objective.name)).copied();
+        Some(Second { objective, value: of(SECOND)?, error_percent: of(ERROR)? })
+    };
+    Ok(OBJECTIVES.iter().filter_map(second).collect())
+}
+
+const SECOND: &str = "second";
+const ERROR: &str = "error_percent";
+
+impl Cells for MeshErrorRow {
+    fn cells(&self) -> Vec<(String, Cell<'_>)> {
+        let column = |what: &str, of: fn(&Second) -> Option<f64>| -> Vec<(String, Cell<'_>)> {
+            let cell = |one: &Second| {
+                let number = of(one).map_or(Cell::Nothing, Cell::Number);
+                (format!("{}_{what}", one.objective.name), number)
+            };
+            self.objectives.iter().map(cell).collect()
+        };
+        let mut cells = vec![
+            ("id".to_owned(), Cell::Word(&self.id)),
+            ("edge_mm".to_owned(), Cell::Number(self.edge_mm)),
+            ("second_edge_mm".to_owned(), Cell::Number(self.second_edge_mm)),
+        ];
+        cells.extend(column(SECOND, |one| one.value));
+        cells.extend(column(ERROR, |one| one.error_percent));
+        let rejected = self.rejected.as_deref().map_or(Cell::Nothing, Cell::Word);
+        cells.push(("rejected".to_owned(), rejected));
+        cells
+    }
 }
 
 impl MeshErrorRow {
@@ -46,10 +90,10 @@ impl MeshErrorRow {
             id,
             edge_mm: settings.mesh.edge,
             second_edge_mm: f64::NAN,
-            bending_second: None,
-            blocking_second: None,
-            bending_error_percent: None,
-            blocking_error_percent: None,
+            objectives: evaluation
+                .known()
+                .map(|(objective, _)| Second { objective, value: None, error_percent: None })
+                .collect(),
             rejected: None,
         };
         for ratio in [RATIO, 1.0 / RATIO] {
@@ -58,11 +102,12 @@ impl MeshErrorRow {
             row.second_edge_mm = second.mesh.edge;
             match evaluate_network(network, &second)?.outcome {
                 Outcome::Evaluated(second) => {
-                    row.bending_second = Some(second.bending);
-                    row.blocking_second = Some(second.blocking);
-                    row.bending_error_percent = percent(evaluation.bending, second.bending, ratio);
-                    row.blocking_error_percent =
-                        percent(evaluation.blocking, second.blocking, ratio);
+                    for one in &mut row.objectives {
+                        let [first, second] = [evaluation, &second].map(|e| e.value(one.objective));
+                        one.value = second;
+                        one.error_percent =
+                            first.zip(second).and_then(|(a, b)| percent(a, b, ratio));
+                    }
                     row.rejected = None;
                     break;
                 }
@@ -72,11 +117,9 @@ impl MeshErrorRow {
         Ok(row)
     }
 
-    pub(crate) fn error(&self) -> MeshError {
-        MeshError {
-            bending_percent: self.bending_error_percent,
-            blocking_percent: self.blocking_error_percent,
-        }
+    /// The error of the objective called `name`, %.
+    pub(crate) fn error_percent(&self, name: &str) -> Option<f64> {
+        self.objectives.iter().find(|one| one.objective.name == name)?.error_percent
     }
 }
 

@@ -1,6 +1,6 @@
 //! Who is told how a search goes, and what may end it: nothing here prints or listens.
 
-use super::run_folder::HistoryRow;
+use super::history_row::HistoryRow;
 use crate::scene;
 
 /// Is told what happens while a search goes on; a method that is not written ignores it.

@@ -4,14 +4,16 @@
 //! pneumorph pick DIR "at least 20 N, most angle"
 //! ```
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
+use super::front_rows::{pressure_column, reached};
 use super::run_folder::{Record, RunFolder};
 use crate::evolve::{IndividualId, Nsga2};
-use crate::fitness::{Evaluation, FurtherObjective, Outcome, flags};
+use crate::fitness::{Asked, Evaluation, OBJECTIVES, Objective, Outcome, SCENARIOS, flags};
 
 /// What is wished of a design.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,14 +42,20 @@ pub(crate) struct Aim {
 pub(crate) enum Quantity {
     Angle,
     Force,
-    Bending,
-    Blocking,
     Merit,
-    Further(&'static str, &'static str),
+    Objective(&'static Objective),
 }
 
 /// The names of the quantities that every run has, as messages list them.
-const NAMES: &str = "angle (deg), force (N), F_c, F_bf (N/kPa), merit (deg/(kPa m))";
+fn names() -> String {
+    let always = OBJECTIVES.iter().filter(|objective| objective.asked == Asked::Always);
+    let objectives = always.map(|objective| match objective.is_unit_told {
+        true => format!("{} ({})", objective.title(), objective.unit),
+        false => objective.title(),
+    });
+    let all = ["angle (deg)", "force (N)"].map(str::to_owned).into_iter().chain(objectives);
+    all.chain(["merit (deg/(kPa m))".to_owned()]).collect::<Vec<_>>().join(", ")
+}
 
 impl Quantity {
     /// By a name or a unit.
@@ -59,15 +67,23 @@ impl Quantity {
         Ok(match name.as_str() {
             "angle" | "deg" | "degree" | "degrees" | "angle_deg" => Self::Angle,
             "force" | "n" | "max_force" => Self::Force,
-            "f_c" | "bending" => Self::Bending,
-            "f_bf" | "n/kpa" | "blocking" => Self::Blocking,
             "merit" | "deg/(kpa m)" | "figure_of_merit" => Self::Merit,
-            _ => match FurtherObjective::try_from(name.replace(' ', "_")) {
-                Ok(objective) => Self::Further(objective.name, objective.unit),
-                Err(_) => bail!(
-                    "`{text}` is nothing that a run knows of its designs; it knows {NAMES} and its further objectives"
-                ),
-            },
+            _ => {
+                let is_called = |objective: &&Objective| {
+                    let names = [objective.name.to_owned(), objective.title()];
+                    let is_one = |one: &str| one.to_lowercase() == name;
+                    names.iter().any(|one| is_one(one))
+                        || is_one(objective.unit)
+                        || is_one(&objective.words())
+                };
+                match OBJECTIVES.iter().find(is_called) {
+                    Some(objective) => Self::Objective(objective),
+                    None => bail!(
+                        "`{text}` is nothing that a run knows of its designs; it knows {} and its further objectives",
+                        names()
+                    ),
+                }
+            }
         })
     }
 
@@ -75,10 +91,8 @@ impl Quantity {
         Some(match self {
             Self::Angle => evaluation.angle_deg,
             Self::Force => evaluation.max_force,
-            Self::Bending => evaluation.bending,
-            Self::Blocking => evaluation.blocking,
             Self::Merit => evaluation.figure_of_merit,
-            Self::Further(name, _) => *evaluation.further.get(*name)?,
+            Self::Objective(objective) => evaluation.value(objective)?,
         })
     }
 
@@ -86,10 +100,8 @@ impl Quantity {
         match self {
             Self::Angle => "angle".to_owned(),
             Self::Force => "force".to_owned(),
-            Self::Bending => "F_c".to_owned(),
-            Self::Blocking => "F_bf".to_owned(),
             Self::Merit => "merit".to_owned(),
-            Self::Further(name, _) => name.replace('_', " "),
+            Self::Objective(objective) => objective.title(),
         }
     }
 
@@ -97,10 +109,8 @@ impl Quantity {
         match self {
             Self::Angle => "deg",
             Self::Force => "N",
-            Self::Bending => "rad/(m J)^(1/p)",
-            Self::Blocking => "N/kPa",
             Self::Merit => "deg/(kPa m)",
-            Self::Further(_, unit) => unit,
+            Self::Objective(objective) => objective.unit,
         }
     }
 
@@ -224,17 +234,18 @@ impl Wish {
 #[derive(Debug, Serialize)]
 pub(crate) struct Picked {
     id: String,
-    /// Degrees, at `bending_pressure`.
+    /// Degrees, at the pressure of the first scenario.
     angle_deg: f64,
     /// N.
     max_force: f64,
-    bending: f64,
-    blocking: f64,
+    /// The objectives of every run.
+    #[serde(flatten)]
+    objectives: BTreeMap<String, f64>,
     figure_of_merit: f64,
-    /// MPa.
-    bending_pressure: f64,
-    blocking_pressure: f64,
-    further: std::collections::BTreeMap<String, f64>,
+    /// Of each scenario the pressure that was reached, MPa.
+    #[serde(flatten)]
+    pressures: BTreeMap<String, f64>,
+    further: BTreeMap<String, f64>,
     flags: String,
     /// How many designs meet all bounds.
     suitable: usize,
@@ -288,12 +299,10 @@ pub(crate) fn pick(run: &Path, wish: &Wish, all: bool) -> anyhow::Result<Picked>
         id: id.to_string(),
         angle_deg: evaluation.angle_deg,
         max_force: evaluation.max_force,
-        bending: evaluation.bending,
-        blocking: evaluation.blocking,
+        objectives: values_of(evaluation, Asked::Always),
         figure_of_merit: evaluation.figure_of_merit,
-        bending_pressure: evaluation.bending_pressure,
-        blocking_pressure: evaluation.blocking_pressure,
-        further: evaluation.further.clone(),
+        pressures: reached(evaluation).pressures.into_iter().collect(),
+        further: values_of(evaluation, Asked::ByName),
         flags: flags(&evaluation.exploits),
         suitable: suitable().count(),
         files: files_of(&folder, id),
@@ -346,16 +355,20 @@ impl Picked {
     /// Its numbers and its files, a line each, for a person.
     pub(crate) fn in_words(&self) -> String {
         let Among { count: of, all } = self.among;
-        let Self { id, angle_deg, max_force, bending, blocking, bending_pressure, .. } = self;
+        let Self { id, angle_deg, max_force, pressures, .. } = self;
         let among = if all { "evaluated designs" } else { "designs of the front" };
         let mut text = format!(
-            "{id}: angle {} deg at {} MPa, force {} N, F_c {}, F_bf {} N/kPa",
+            "{id}: angle {} deg at {} MPa, force {} N",
             short(*angle_deg),
-            short(*bending_pressure),
+            short(pressures.get(&pressure_column(&SCENARIOS[0])).copied().unwrap_or_default()),
             short(*max_force),
-            short(*bending),
-            short(*blocking),
         );
+        for objective in OBJECTIVES {
+            if let Some(value) = self.objectives.get(objective.name) {
+                let unit = objective.told_unit();
+                text += &format!(", {} {}{unit}", objective.title(), short(*value));
+            }
+        }
         for (name, value) in &self.further {
             text += &format!(", {} {}", name.replace('_', " "), short(*value));
         }
@@ -371,6 +384,12 @@ impl Picked {
         }
         text
     }
+}
+
+/// The objectives of a design that are `asked` in this way, by name.
+fn values_of(evaluation: &Evaluation, asked: Asked) -> BTreeMap<String, f64> {
+    let values = evaluation.known().filter(|(objective, _)| objective.asked == asked);
+    values.map(|(objective, value)| (objective.name.to_owned(), value)).collect()
 }
 
 /// The files of a member of the front, but for the single pictures of its series.
@@ -400,6 +419,7 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fitness::objective;
 
     #[test]
     fn wishes_are_read_with_names_or_units() {
@@ -410,7 +430,8 @@ mod tests {
             wish.bounds,
             [bound(Quantity::Force, true, 20.0), bound(Quantity::Angle, false, 90.0)]
         );
-        assert_eq!(wish.aims, [Aim { quantity: Quantity::Blocking, is_most: true }]);
+        let blocking = Quantity::Objective(objective("blocking").unwrap());
+        assert_eq!(wish.aims, [Aim { quantity: blocking, is_most: true }]);
         let volume = &read("at least force 20, least wall volume").aims[0];
         assert!(!volume.is_most && volume.quantity.unit() == "cm^3");
         assert_eq!(read(""), Phrases::default());

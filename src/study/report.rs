@@ -4,13 +4,14 @@ use std::path::Path;
 
 use anyhow::Context;
 
-use super::certify::Row;
-use super::design_pictures::{self, Blocking, Pictured, StoredPath};
+use super::certificate_row::Row;
+use super::design_pictures::{self, Pictured, PicturedPath, StoredPath};
+use super::history_row::HistoryRow;
 use super::observer::Observer;
 use super::run_file::RunFile;
-use super::run_folder::{HistoryRow, Record, RunFolder, outcome_counts};
+use super::run_folder::{Record, RunFolder, outcome_counts};
 use crate::evolve::{Breeding, Crossover, Mutation, Nsga2, Nsga2Settings, Survival};
-use crate::fitness::{FurtherObjective, Sense};
+use crate::fitness::{Asked, FitnessSettings, OBJECTIVES, Objective, Sense, objective};
 use crate::io::{atomic, input};
 use crate::math::Vec3;
 use crate::mesh::ShellElement;
@@ -91,25 +92,33 @@ fn designs(
     records: &[Record],
 ) -> anyhow::Result<(Vec<DesignPicture>, Option<String>)> {
     let mut front = folder.front(search, records)?;
-    front.sort_by(|a, b| b.bending.total_cmp(&a.bending));
-    front.retain(|point| folder.design(&point.id).join("path_blocked.csv").exists());
+    let by_first = |a: &FrontPoint, b: &FrontPoint| {
+        let [a, b] = [a, b].map(|point| OBJECTIVES[0].minimized(point.objectives[0].value));
+        a.total_cmp(&b)
+    };
+    front.sort_by(by_first);
     let run = folder.run_file()?;
-    let blocking = Blocking::of(&run)?;
+    let scenarios = run.fitness.scenarios();
+    front.retain(|point| {
+        let design = folder.design(&point.id);
+        let has = |stem: String| design.join(format!("{stem}.csv")).exists();
+        scenarios.iter().all(|scenario| has(scenario.file_stem("")))
+    });
     let count = front.len().min(SHOWN);
     let places =
         (0..count).map(|k| if count > 1 { k * (front.len() - 1) / (count - 1) } else { 0 });
     let (mut pictures, mut curves) = (Vec::new(), Vec::new());
     for point in places.map(|k| &front[k]) {
         let design = folder.design(&point.id);
-        let path = |name| StoredPath::read_ends(&design, name);
-        let blocked = Some((path("path_blocked")?, blocking));
+        let paths = PicturedPath::stored(&run, |name| StoredPath::read_ends(&design, name))?;
         let direction = Vec3::from(run.fitness.plane_normal);
-        let pictured = Pictured { free: path("path")?, blocked, direction };
-        let angle = point.reached.map_or(0.0, |reached| reached.angle_deg);
-        let name = format!(
-            "{}: {angle:.1} deg, {:.2} N, F_c {:.3}, F_bf {:.4} N/kPa",
-            point.id, point.max_force, point.bending, point.blocking
-        );
+        let pictured = Pictured { paths, direction };
+        let angle = point.reached.as_ref().map_or(0.0, |reached| reached.angle_deg);
+        let mut name = format!("{}: {angle:.1} deg, {:.2} N", point.id, point.max_force);
+        for (one, value) in objectives(point) {
+            let digits = one.decimals - 1;
+            name += &format!(", {} {value:.digits$}{}", one.title(), one.told_unit());
+        }
         pictures.push((name, pictured.still().png()));
         curves.push(design_pictures::curves(&design, &point.id)?);
     }
@@ -163,17 +172,25 @@ fn summary(history: &[HistoryRow], records: &[Record], front: &[FrontPoint]) -> 
         return text + &format!("No design has objectives{most}.");
     }
     let best = |value: fn(&FrontPoint) -> f64| front.iter().map(value).fold(0.0, f64::max);
-    let angle = |point: &FrontPoint| point.reached.map_or(0.0, |reached| reached.angle_deg);
+    let angle = |point: &FrontPoint| point.reached.as_ref().map_or(0.0, |r| r.angle_deg);
     text += &format!(
-        "The front has {} members, with angles to {:.1} deg, forces to {:.2} N, F_c to {:.3} rad/(m J)^(1/p), F_bf to {:.4} N/kPa, \
-         and {:.2} deg/(kPa m).",
+        "The front has {} members, with angles to {:.1} deg, forces to {:.2} N, ",
         front.len(),
         best(angle),
         best(|point| point.max_force),
-        best(|point| point.bending),
-        best(|point| point.blocking),
-        best(|point| point.figure_of_merit),
     );
+    for one in OBJECTIVES {
+        let of_point = |point: &FrontPoint| {
+            let found = objectives(point).find(|(objective, _)| *objective == one);
+            found.map(|(_, value)| one.minimized(value))
+        };
+        let values: Vec<f64> = front.iter().filter_map(of_point).collect();
+        if !values.is_empty() {
+            let (best, digits) = (one.best_of(values.into_iter()), one.decimals - 1);
+            text += &format!("{} to {best:.digits$} {}, ", one.title(), one.unit);
+        }
+    }
+    text += &format!("and {:.2} deg/(kPa m).", best(|point| point.figure_of_merit));
     if let Some(line) = standing(front) {
         text += &format!(" {line}.");
     }
@@ -191,7 +208,6 @@ fn methods(run: &RunFile, provenance: &str) -> String {
         ShellElement::MidEdge => "flat triangles with mid-edge normals",
     };
     let [x, y, z] = run.design_box.sides().into();
-    let normal = run.fitness.plane_normal.map(|n| n.to_string()).join(", ");
     let path = &run.load.path;
     let chords = match path.newton.chord_contraction {
         contraction if contraction > 0.0 && run.solver.backend == Backend::Native => {
@@ -208,8 +224,7 @@ fn methods(run: &RunFile, provenance: &str) -> String {
          Walls of {} mm are Kirchhoff-Love shells on {element}, clamped below {} thicknesses, of {material}. \
          The chamber's pressure follows the wall and rises to {} MPa in {} samples; Newton's method stops at {:e} of the scale of \
          forces{chords}, steps are halved while work and stored energy differ by more than {:e}, and loss of stability is followed to the \
-         next stable state. Bending is judged by the chord angle over the work to the power 1/{}, blocking by the force on a plane with the \
-         normal ({normal}), {} mm from the wall at rest, over the pressure. {}{} \
+         next stable state. {}{} \
          Computed by {} {} (commit {}, {}, PETSc {}, solver {}).",
         run.mesh.edge,
         run.wall.thickness,
@@ -218,9 +233,7 @@ fn methods(run: &RunFile, provenance: &str) -> String {
         path.steps,
         path.newton.tolerance,
         path.work_tolerance,
-        run.fitness.exponent,
-        run.fitness.plane_distance,
-        further(&run.fitness.further_objectives),
+        asked(&run.fitness),
         operators(&run.evolution),
         known("program"),
         known("version"),
@@ -231,20 +244,33 @@ fn methods(run: &RunFile, provenance: &str) -> String {
     )
 }
 
-/// What was asked besides bending and blocking, as a sentence.
-fn further(objectives: &[FurtherObjective]) -> String {
-    let one = |objective: &FurtherObjective| {
-        let wanted = match objective.sense {
+/// The objectives of a design with their values.
+fn objectives(point: &FrontPoint) -> impl Iterator<Item = (&'static Objective, f64)> {
+    point.objectives.iter().filter_map(|column| Some((objective(column.name)?, column.value)))
+}
+
+/// By what designs are judged, in sentences.
+fn asked(settings: &FitnessSettings) -> String {
+    let of = |asked: Asked| settings.objectives().filter(move |one| one.asked == asked);
+    let judged = |(k, one): (usize, &Objective)| {
+        let is = if k == 0 { " is judged" } else { "" };
+        format!("{}{is} by {}", one.words(), (one.judged_by)(settings))
+    };
+    let judged: Vec<String> = of(Asked::Always).enumerate().map(judged).collect();
+    let mut text = format!("{}. ", judged.join(", "));
+    text[..1].make_ascii_uppercase();
+    let besides = |one: &Objective| {
+        let wanted = match one.sense {
             Sense::Largest => "large",
             Sense::Least => "small",
         };
-        format!("a {wanted} {} ({})", objective.name.replace('_', " "), objective.unit)
+        format!("a {wanted} {} ({})", one.words(), one.unit)
     };
-    if objectives.is_empty() {
-        return String::new();
+    let besides: Vec<String> = of(Asked::ByName).map(besides).collect();
+    if !besides.is_empty() {
+        text += &format!("Asked besides: {}. ", besides.join(", "));
     }
-    let asked: Vec<String> = objectives.iter().map(one).collect();
-    format!("Asked besides: {}. ", asked.join(", "))
+    text
 }
 
 /// How NSGA-II was run, in words.

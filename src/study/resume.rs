@@ -14,13 +14,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::{bail, ensure};
 
 use super::evaluations::Known;
+use super::history_row::HistoryRow;
 use super::meaning::Meaning;
 use super::observer::Observer;
 use super::run_file::RunFile;
-use super::run_folder::{HistoryRow, Logged, Record, RunFolder, RunState};
+use super::run_folder::{Logged, Record, RunFolder, RunState};
 use super::search::{evaluation, reference};
 use crate::evolve::{Checkpoint, IndividualId, Nsga2};
-use crate::fitness::FurtherObjective;
+use crate::fitness::FitnessSettings;
 use crate::io::provenance::COMMIT;
 
 /// A search between two generations, and what is known beside it.
@@ -41,7 +42,7 @@ pub(crate) struct Start {
 impl Start {
     /// The start of a new search.
     pub(crate) fn new(run: &RunFile, settings: Meaning) -> anyhow::Result<Self> {
-        let objectives = reference(&run.fitness.further_objectives).len();
+        let objectives = reference(&run.fitness).len();
         Ok(Self {
             nsga2: Nsga2::new(run.evolution.clone(), run.gene_bounds()?, objectives)?,
             history: Vec::new(),
@@ -83,7 +84,7 @@ impl Start {
             search.settings.generations = run.evolution.generations;
             start.tell_of_builds(folder, builds, observer);
             let nsga2 = Nsga2::resume(search.clone())?;
-            agrees(folder, &nsga2, &by_id, &run.fitness.further_objectives)?;
+            agrees(folder, &nsga2, &by_id, &run.fitness)?;
             let lost = ids_before(&nsga2).filter(|id| !by_id.contains_key(id)).count();
             if lost == 0 {
                 (start.nsga2, start.history) = (nsga2, history);
@@ -187,13 +188,13 @@ fn agrees(
     folder: &RunFolder,
     nsga2: &Nsga2,
     by_id: &BTreeMap<IndividualId, &Record>,
-    further: &[FurtherObjective],
+    asked: &FitnessSettings,
 ) -> anyhow::Result<()> {
     for individual in nsga2.population() {
         let Some(record) = by_id.get(&individual.id) else { continue };
         let is_same = record.genome == individual.genome
             && (!individual.evaluation.is_feasible()
-                || evaluation(record, further)? == individual.evaluation);
+                || evaluation(record, asked)? == individual.evaluation);
         ensure!(
             is_same,
             "{}: candidates.jsonl and the checkpoint after generation {} tell different things of {}; one of them is not of this run",

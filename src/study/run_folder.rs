@@ -17,21 +17,23 @@ use anyhow::{Context, anyhow, bail, ensure};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::certify::Row;
+use super::certificate_row::Row;
+use super::front_rows::{axes, evaluated_objectives, front_points, header};
+use super::history_row::HistoryRow;
 use super::meaning::Meaning;
 use super::mesh_error::MeshErrorRow;
 use super::observer::Observer;
 use super::run_file::RunFile;
-use crate::evolve::{Checkpoint, Individual, IndividualId, Nsga2};
-use crate::fitness::{Evaluation, FurtherObjective, Outcome, StageSeconds, flags};
+use crate::evolve::{Checkpoint, IndividualId, Nsga2};
+use crate::fitness::{Outcome, SCENARIOS, StageSeconds};
 use crate::io::provenance::Provenance;
 use crate::io::{
     FolderLock, InputError, OutputError, OutputFolder, atomic, checkpoint, csv, input, jsonl,
     toml_file,
 };
 use crate::report::{
-    Column, FrontPoint, HistoryPoint, OutcomeCount, Reached, front_svg, front_table, history_svg,
-    merit_svg, outcomes_svg, png, standing,
+    FrontPoint, HistoryPoint, OutcomeCount, front_svg, front_table, history_svg, merit_svg,
+    outcomes_svg, png, standing,
 };
 use crate::scene::results::design_folder::write_json;
 
@@ -60,44 +62,6 @@ pub(crate) struct Place {
     pub ended: f64,
 }
 
-/// One row of `history.csv`.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct HistoryRow {
-    /// Its number, from 0.
-    pub generation: usize,
-    /// How many candidates it had.
-    pub evaluated: usize,
-    /// How many of them have objectives.
-    pub feasible: usize,
-    /// How many designs are on the front after it.
-    pub front: usize,
-    /// Of objectives, that the front dominates.
-    pub hypervolume: f64,
-    /// The largest bending objective on the front, rad/(m J)^(1/p).
-    pub best_bending: f64,
-    /// The largest blocking objective on the front, N/kPa.
-    pub best_blocking: f64,
-    /// How evenly the front is spread; small is even.
-    pub spread: f64,
-}
-
-impl HistoryRow {
-    /// A line for a person, of a generation among so many.
-    #[must_use]
-    pub fn in_words(&self, generations: usize) -> String {
-        format!(
-            "generation {:3} of {generations}: {:3} of {} feasible, {:2} on the front, best F_c {:.4}, best F_bf {:.5} N/kPa, hypervolume {:.4e}",
-            self.generation + 1,
-            self.feasible,
-            self.evaluated,
-            self.front,
-            self.best_bending,
-            self.best_blocking,
-            self.hypervolume
-        )
-    }
-}
-
 /// What a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct RunState {
@@ -113,9 +77,6 @@ pub(crate) struct RunState {
 
 /// Scale of the PNG figures over the SVG's pixels.
 const PNG_SCALE: f32 = 2.0;
-
-/// `front.csv` of a run that found nothing feasible: a table without rows, not an empty file.
-const FRONT_HEADER: &str = "id,bending,blocking,figure_of_merit,max_force,flags,angle_deg,bending_pressure,blocking_pressure\n";
 
 const RUN_FILE: &str = "run.toml";
 const CHECKPOINTS: &str = "checkpoints";
@@ -386,14 +347,17 @@ impl RunFolder {
         let errors: Vec<MeshErrorRow> = rows_of(&self.file(FRONT_ERROR))?;
         for point in &mut front {
             let of_point = errors.iter().find(|row| row.id == point.id);
-            point.mesh_error = of_point.map(MeshErrorRow::error);
+            let error = |row: &MeshErrorRow| {
+                point.objectives.iter().map(|column| row.error_percent(column.name)).collect()
+            };
+            point.mesh_errors = of_point.map(error).unwrap_or_default();
         }
         Ok(front)
     }
 
     /// Writes `front_error.csv`.
     pub(crate) fn write_mesh_errors(&self, rows: &[MeshErrorRow]) -> anyhow::Result<()> {
-        Ok(csv::write(&self.file(FRONT_ERROR), rows)?)
+        Ok(csv::write_cells(&self.file(FRONT_ERROR), rows)?)
     }
 
     /// The front for the terminal.
@@ -413,11 +377,11 @@ impl RunFolder {
         records: &[Record],
     ) -> anyhow::Result<()> {
         let front = self.front(search, records)?;
-        csv::write(&self.file("history.csv"), history)?;
+        csv::write_cells(&self.file("history.csv"), history)?;
         if front.is_empty() {
-            atomic::write(&self.file("front.csv"), FRONT_HEADER.as_bytes())?;
+            atomic::write(&self.file("front.csv"), header(&self.run_file()?.fitness).as_bytes())?;
         } else {
-            csv::write(&self.file("front.csv"), &front)?;
+            csv::write_cells(&self.file("front.csv"), &front)?;
         }
         let solids = self.solid_front()?;
         let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
@@ -443,7 +407,8 @@ impl RunFolder {
         records: &[Record],
         solids: &[FrontPoint],
     ) -> anyhow::Result<()> {
-        self.write_figure("front", &front_svg(front, &evaluated_objectives(records), solids))?;
+        let evaluated = evaluated_objectives(records);
+        self.write_figure("front", &front_svg(&axes(), front, &evaluated, solids))?;
         self.write_figure("merit", &merit_svg(front, solids))
     }
 
@@ -465,7 +430,7 @@ impl RunFolder {
         search: &Nsga2,
         records: &[Record],
     ) -> anyhow::Result<()> {
-        csv::write(&self.file(SOLID_FRONT), solids)?;
+        csv::write_cells(&self.file(SOLID_FRONT), solids)?;
         let front = self.front(search, records)?;
         let solids: Vec<FrontPoint> = solids.iter().filter_map(Row::front_point).collect();
         self.write_fronts(&front, records, &solids)
@@ -535,56 +500,13 @@ pub(crate) fn outcome_counts(records: &[Record]) -> Vec<OutcomeCount> {
     counts
 }
 
-/// Whether an outcome is a rejection, and its cause; else how the free path ended.
+/// Whether an outcome is a rejection, and its cause; else how the path of the first scenario ended.
 fn way_of(outcome: &Outcome) -> (bool, String) {
     match outcome {
-        Outcome::Evaluated(evaluation) => (false, evaluation.bending_ending.name().to_owned()),
+        Outcome::Evaluated(evaluation) => {
+            let ending = evaluation.ending(&SCENARIOS[0]).map(|ended| ended.ending.name());
+            (false, ending.unwrap_or_default().to_owned())
+        }
         Outcome::Rejected(rejected) => (true, format!("{:?}/{}", rejected.room, rejected.reason)),
     }
-}
-
-fn front_points(front: &[&Individual], records: &[Record]) -> anyhow::Result<Vec<FrontPoint>> {
-    let by_id: BTreeMap<IndividualId, &Record> =
-        records.iter().map(|record| (record.id, record)).collect();
-    let point = |individual: &&Individual| {
-        let record = by_id.get(&individual.id);
-        let Some(Outcome::Evaluated(evaluation)) = record.map(|record| &record.outcome) else {
-            bail!("candidates.jsonl lacks {}, a member of the front", individual.id);
-        };
-        Ok(FrontPoint {
-            id: individual.id.to_string(),
-            bending: evaluation.bending,
-            blocking: evaluation.blocking,
-            figure_of_merit: evaluation.figure_of_merit,
-            max_force: evaluation.max_force,
-            flags: flags(&evaluation.exploits),
-            further: further(evaluation),
-            reached: Some(reached(evaluation)),
-            mesh_error: None,
-        })
-    };
-    front.iter().map(point).collect()
-}
-
-/// What a design reached.
-pub(crate) fn reached(evaluation: &Evaluation) -> Reached {
-    let &Evaluation { angle_deg, bending_pressure, blocking_pressure, .. } = evaluation;
-    Reached { angle_deg, bending_pressure, blocking_pressure }
-}
-
-/// What the run asked besides bending and blocking, as tables show it.
-fn further(evaluation: &Evaluation) -> Vec<Column> {
-    let column = |(name, &value): (&String, &f64)| {
-        let objective = FurtherObjective::try_from(name.clone()).ok()?;
-        Some(Column { name: objective.name, unit: objective.unit, value })
-    };
-    evaluation.further.iter().filter_map(column).collect()
-}
-
-fn evaluated_objectives(records: &[Record]) -> Vec<[f64; 2]> {
-    let objectives = |record: &Record| match &record.outcome {
-        Outcome::Evaluated(evaluation) => Some([evaluation.bending, evaluation.blocking]),
-        Outcome::Rejected(_) => None,
-    };
-    records.iter().filter_map(objectives).collect()
 }

@@ -6,19 +6,21 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use serde::{Deserialize, Serialize};
 
-use super::certify::{self, Certifying, Row};
+use super::certificate_row::{self, Row};
+use super::certify::Certifying;
 use super::evaluations::{Evaluator, Generation, Known, Unfinished, serve_candidates};
+use super::history_row::HistoryRow;
 use super::meaning::Meaning;
 use super::mesh_error::MeshErrorRow;
 use super::observer::{Limits, Observer};
 use super::overload::overload;
 use super::resume::Start;
 use super::run_file::RunFile;
-use super::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
+use super::run_folder::{Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use crate::batch::{Executor, Farm, Next, Stopped, Threads, hear_others, tell_first};
 use crate::evolve::{Checkpoint, Evaluation, Individual, Nsga2, hypervolume};
-use crate::fitness::{CandidateSettings, FurtherObjective, Outcome, evaluate_network};
+use crate::fitness::{CandidateSettings, FitnessSettings, Outcome, evaluate_network};
 use crate::genome::Genome;
 use crate::io::provenance::COMMIT;
 use crate::io::{atomic, csv};
@@ -286,8 +288,8 @@ impl<'a> Search<'a> {
             observer: self.observer,
         };
         let records = generation.evaluate(evaluator)?;
-        let further = &self.settings.fitness.further_objectives;
-        let evaluations = records.iter().map(|record| evaluation(record, further));
+        let asked = &self.settings.fitness;
+        let evaluations = records.iter().map(|record| evaluation(record, asked));
         self.nsga2.tell(evaluations.collect::<anyhow::Result<_>>()?);
         self.check_expected()?;
         self.folder.append(&records)?;
@@ -330,16 +332,17 @@ impl<'a> Search<'a> {
         let front = self.nsga2.front();
         let objectives: Vec<&[f64]> =
             front.iter().map(|individual| &individual.evaluation.objectives[..]).collect();
-        let best = |k: usize| objectives.iter().map(|o| -o[k]).fold(0.0, f64::max);
-        let reference = reference(&self.settings.fitness.further_objectives);
+        let asked = &self.settings.fitness;
+        let best = asked.objectives().enumerate().map(|(k, objective)| {
+            (objective.name.to_owned(), objective.best_of(objectives.iter().map(|o| o[k])))
+        });
         let row = HistoryRow {
             generation: self.nsga2.generation() - 1,
             evaluated: records.len(),
             feasible: records.iter().filter(|r| matches!(r.outcome, Outcome::Evaluated(_))).count(),
             front: front.len(),
-            hypervolume: hypervolume(&objectives, &reference),
-            best_bending: best(0),
-            best_blocking: best(1),
+            hypervolume: hypervolume(&objectives, &reference(asked)),
+            best: best.collect(),
             spread: self.nsga2.spread(),
         };
         self.observer.generation(&row, self.nsga2.settings().generations);
@@ -387,7 +390,7 @@ impl<'a> Search<'a> {
             bail!("{} was evaluated before and fails now", individual.id);
         };
         write_surface(&folder, &mesh)?;
-        write_scenarios(&folder, ["path", "path_blocked"], &mut scenarios, Some(&mesh))?;
+        write_scenarios(&folder, "", &mut scenarios, Some(&mesh))?;
         MeshErrorRow::new(individual.id.to_string(), &network, &self.settings, &evaluation)
     }
 
@@ -415,10 +418,10 @@ impl<'a> Search<'a> {
         };
         let SolidFront { rows, of_front, front } = &solid;
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        csv::write(&folder.join("certificates.csv"), rows)?;
+        csv::write_cells(&folder.join("certificates.csv"), rows)?;
         self.folder.write_solid_front(front, &self.nsga2, &self.records)?;
-        self.observer.table(&certify::table(rows));
-        self.observer.note(&certify::summary(rows, &section.fidelity));
+        self.observer.table(&certificate_row::table(rows));
+        self.observer.note(&certificate_row::summary(rows, &section.fidelity));
         self.observer.note(&format!(
             "{of_front} designs of the front and {} promoted ones make a front of {} solids: front_solid.csv",
             rows.len() - of_front,
@@ -440,28 +443,23 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Bending and blocking are made large, so that the search minimises their negatives; then what the run asks besides.
-pub(crate) fn evaluation(
-    record: &Record,
-    further: &[FurtherObjective],
-) -> anyhow::Result<Evaluation> {
+/// What a `record` is to the search, which makes the objectives that `asked` has small.
+pub(crate) fn evaluation(record: &Record, asked: &FitnessSettings) -> anyhow::Result<Evaluation> {
     let evaluated = match &record.outcome {
         Outcome::Evaluated(evaluated) => evaluated,
         rejected @ Outcome::Rejected(_) => {
             return Ok(Evaluation::infeasible(rejected.constraint_violation()));
         }
     };
-    let further = further.iter().map(|objective| {
-        let value = evaluated.further.get(objective.name);
+    let values = asked.objectives().map(|objective| {
+        let value = evaluated.value(objective);
         let value = value.with_context(|| format!("{} has no {}", record.id, objective.name))?;
-        Ok(objective.minimized(*value))
+        Ok(objective.minimized(value))
     });
-    let pair = [-evaluated.bending, -evaluated.blocking].map(Ok);
-    Ok(Evaluation::feasible(pair.into_iter().chain(further).collect::<anyhow::Result<_>>()?))
+    Ok(Evaluation::feasible(values.collect::<anyhow::Result<_>>()?))
 }
 
-/// Where the hypervolume of a front with these objectives ends.
-pub(crate) fn reference(further: &[FurtherObjective]) -> Vec<f64> {
-    let further = further.iter().map(|objective| objective.minimized(objective.worst));
-    [0.0, 0.0].into_iter().chain(further).collect()
+/// Where the hypervolume of a front with the objectives that `asked` has ends.
+pub(crate) fn reference(asked: &FitnessSettings) -> Vec<f64> {
+    asked.objectives().map(|objective| objective.minimized(objective.worst)).collect()
 }

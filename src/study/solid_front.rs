@@ -4,14 +4,17 @@
 //! s(c) = max over solids m of  min over k  m_k / c_k         the gain that brings shell c level with the solids' front
 //! promoted where  s(c) < 1 + largest gain of a solid over its shell,  those with the least s first
 //! ```
+//!
+//! Of an objective that is to be small the gain is `c_k / m_k`.
 
 use anyhow::Context;
 
-use super::certify::{CertifiedRows, Certifying, Design, Row};
+use super::certificate_row::{OfBoth, Row};
+use super::certify::{CertifiedRows, Certifying, Design};
 use super::run_folder::Record;
 use crate::batch::Threads;
 use crate::evolve::IndividualId;
-use crate::fitness::Outcome;
+use crate::fitness::{Objective, Outcome, Sense};
 use crate::genome::Genome;
 
 /// What the second stage found.
@@ -20,7 +23,7 @@ pub(crate) struct SolidFront {
     pub rows: Vec<Row>,
     /// How many of the rows are of the shells' front.
     pub of_front: usize,
-    /// The rows that no other solid is better than in both objectives.
+    /// The rows that no other solid is better than in all objectives.
     pub front: Vec<Row>,
 }
 
@@ -47,15 +50,15 @@ impl SolidFront {
         };
         let Some(mut rows) = certified(&designs)? else { return Ok(None) };
         let of_front = rows.len();
-        let others: Vec<(&Record, [f64; 2])> = records
+        let others: Vec<(&Record, Values)> = records
             .iter()
             .filter(|record| !front.contains(&record.id))
             .filter_map(|record| match &record.outcome {
-                Outcome::Evaluated(shell) => Some((record, [shell.bending, shell.blocking])),
+                Outcome::Evaluated(shell) => Some((record, shell.known().collect())),
                 Outcome::Rejected(_) => None,
             })
             .collect();
-        let objectives: Vec<[f64; 2]> = others.iter().map(|(_, objectives)| *objectives).collect();
+        let objectives: Vec<&Values> = others.iter().map(|(_, objectives)| objectives).collect();
         let designs = promoted(&rows, &objectives)
             .into_iter()
             .map(|other| design(others[other].0))
@@ -67,20 +70,35 @@ impl SolidFront {
     }
 }
 
-/// Those of `shells` (both objectives, larger is better) that may belong to the front of the solids of `rows`, at most as many as
-/// there are rows, the likeliest first.
-fn promoted(rows: &[Row], shells: &[[f64; 2]]) -> Vec<usize> {
-    let solids: Vec<[f64; 2]> = rows.iter().filter_map(Row::solid_objectives).collect();
+/// Objectives with their values, in the order of the list of objectives.
+type Values = Vec<(&'static Objective, f64)>;
+
+/// By how much `better` is better than `value`, as a quotient.
+fn gain(objective: &Objective, better: f64, value: f64) -> f64 {
+    match objective.sense {
+        Sense::Largest => better / value,
+        Sense::Least => value / better,
+    }
+}
+
+/// Those of `shells` that may belong to the front of the solids of `rows`, at most as many as there are rows, the likeliest first.
+fn promoted(rows: &[Row], shells: &[&Values]) -> Vec<usize> {
+    let solids: Vec<Values> = rows.iter().filter_map(Row::solid_objectives).collect();
     if solids.is_empty() {
         return Vec::new();
     }
+    let of_both = |of_both: &OfBoth| Some(gain(of_both.objective, of_both.solid?, of_both.shell?));
     let gains = rows.iter().filter_map(|row| {
-        let [bending, blocking] = row.solid_objectives()?;
-        Some((bending / row.bending_shell?).max(blocking / row.blocking_shell?))
+        let gains: Option<Vec<f64>> = row.objectives.iter().map(of_both).collect();
+        gains?.into_iter().reduce(f64::max)
     });
     let largest = gains.filter(|gain| gain.is_finite()).fold(1.0, f64::max);
-    let needed = |shell: &[f64; 2]| {
-        let level = |solid: &[f64; 2]| (solid[0] / shell[0]).min(solid[1] / shell[1]);
+    let needed = |shell: &&Values| {
+        let level = |solid: &Values| {
+            let gains =
+                solid.iter().zip(*shell).map(|((k, solid), (_, shell))| gain(k, *solid, *shell));
+            gains.reduce(f64::min).unwrap_or(0.0)
+        };
         solids.iter().map(level).fold(0.0, f64::max)
     };
     let mut near: Vec<(f64, usize)> =
@@ -89,31 +107,33 @@ fn promoted(rows: &[Row], shells: &[[f64; 2]]) -> Vec<usize> {
     near.into_iter().take(rows.len()).map(|(_, shell)| shell).collect()
 }
 
-/// The rows whose solids no other one is better than, by falling bending objective.
+/// The rows whose solids no other one is better than, the best by the first objective first.
 fn front_of(rows: &[Row]) -> Vec<Row> {
-    let solids: Vec<(&Row, [f64; 2])> =
-        rows.iter().filter_map(|row| Some((row, row.solid_objectives()?))).collect();
-    let is_dominated = |[x, y]: [f64; 2]| {
-        solids.iter().any(|(_, [a, b])| *a >= x && *b >= y && (*a > x || *b > y))
+    let minimized = |row: &Row| -> Option<Vec<f64>> {
+        Some(row.solid_objectives()?.iter().map(|(k, value)| k.minimized(*value)).collect())
     };
-    let mut front: Vec<_> =
-        solids.iter().filter(|(_, objectives)| !is_dominated(*objectives)).collect();
-    front.sort_by(|a, b| b.1[0].total_cmp(&a.1[0]).then_with(|| a.0.design.cmp(&b.0.design)));
+    let solids: Vec<(&Row, Vec<f64>)> =
+        rows.iter().filter_map(|row| Some((row, minimized(row)?))).collect();
+    let is_better = |a: &[f64], b: &[f64]| {
+        a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
+    };
+    let is_dominated = |b: &[f64]| solids.iter().any(|(_, a)| is_better(a, b));
+    let mut front: Vec<_> = solids.iter().filter(|(_, values)| !is_dominated(values)).collect();
+    front.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]).then_with(|| a.0.design.cmp(&b.0.design)));
     front.into_iter().map(|(row, _)| (*row).clone()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fitness::OBJECTIVES;
 
     fn row(design: &str, shell: [f64; 2], solid: Option<[f64; 2]>) -> Row {
-        Row {
-            bending_shell: Some(shell[0]),
-            blocking_shell: Some(shell[1]),
-            bending_solid: solid.map(|solid| solid[0]),
-            blocking_solid: solid.map(|solid| solid[1]),
-            ..Row::new(design)
+        let mut row = Row::new(design, OBJECTIVES[..2].iter());
+        for (k, of_both) in row.objectives.iter_mut().enumerate() {
+            (of_both.shell, of_both.solid) = (Some(shell[k]), solid.map(|solid| solid[k]));
         }
+        row
     }
 
     #[test]
@@ -138,6 +158,8 @@ mod tests {
         ];
         // The gain is 1.1; needed are 0.947, 2.2, 0.733 and 1.059. No more are promoted than there are rows.
         let shells = [[0.95, 1.9], [0.5, 0.5], [1.5, 1.5], [0.8, 1.7]];
+        let shells = shells.map(|values| OBJECTIVES.iter().zip(values).collect::<Values>());
+        let shells: Vec<&Values> = shells.iter().collect();
         assert_eq!(promoted(&rows, &shells), [2, 0, 3]);
         assert_eq!(promoted(&rows[..2], &shells), [2, 0]);
         assert!(promoted(&[], &shells).is_empty());

@@ -14,7 +14,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::design_folder::write_pictures;
-use crate::fitness::{Observation, Scenarios, stability};
+use crate::fitness::{Observation, Scenarios, Stability};
 use crate::io::OutputError;
 use crate::io::csv::{Cell, Table};
 use crate::mesh::ShellMesh;
@@ -123,7 +123,7 @@ pub(crate) fn path_table(
     let counts = |of: fn(&PathPoint) -> usize| points.iter().map(of).map(Cell::Count);
     table.push("newton_iterations", counts(|point| point.newton_iterations));
     table.push("step_cuts", counts(|point| point.cuts));
-    table.push("stability", points.iter().map(stability).map(Cell::Word));
+    table.push("stability", points.iter().map(|point| Cell::Word(Stability::of(point).name())));
     table.push("is_sample", points.iter().map(|point| Cell::Flag(point.is_sample)));
     table
 }
@@ -157,24 +157,23 @@ impl ReactionSummary {
     }
 }
 
-/// Writes `<free>.csv` and `<blocked>.csv`, and the pictures of both where a `mesh` is given.
+/// Writes the path of each of the `scenarios` as a table named after it and the `stage`, with pictures where a `mesh` is given.
 pub(crate) fn write_scenarios(
     folder: &Path,
-    [free, blocked]: [&str; 2],
+    stage: &str,
     scenarios: &mut Scenarios,
     mesh: Option<&ShellMesh>,
 ) -> Result<(), OutputError> {
-    let Scenarios { model, free: bent, blocked: pressed, free_rows, blocked_rows, .. } = scenarios;
-    for (name, path, rows, lifted) in
-        [(free, bent, free_rows, true), (blocked, pressed, blocked_rows, false)]
-    {
-        model.lift_planes(lifted);
-        let states = states(model, &path.points, true);
-        path_table(LoadKind::Pressure, &path.points, &states, rows)
+    scenarios.try_for_each(|walked, model| {
+        let (name, points) = (walked.scenario.file_stem(stage), &walked.path.points);
+        let states = states(model, points, true);
+        path_table(LoadKind::Pressure, points, &states, &walked.rows)
             .write(&folder.join(format!("{name}.csv")))?;
-        if let Some(mesh) = mesh {
-            write_pictures(folder, name, &mesh.surface, model, &path.points, Placed::default())?;
+        match mesh {
+            Some(mesh) => {
+                write_pictures(folder, &name, &mesh.surface, model, points, Placed::default())
+            }
+            None => Ok(()),
         }
-    }
-    Ok(())
+    })
 }

@@ -6,12 +6,13 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::evolve::{Checkpoint, IndividualId, Nsga2};
-use crate::fitness::{Outcome, flags};
+use crate::fitness::{Outcome, SCENARIOS, flags};
 use crate::io::jsonl;
 use crate::report::{OutcomeCount, Published, published};
 use crate::scene::material::MaterialSection;
-use crate::study::certify::Row;
-use crate::study::run_folder::{HistoryRow, Record, RunFolder, RunState, outcome_counts};
+use crate::study::certificate_row::Row;
+use crate::study::history_row::HistoryRow;
+use crate::study::run_folder::{Record, RunFolder, RunState, outcome_counts};
 
 /// What the page shows of a run.
 #[derive(Serialize)]
@@ -63,11 +64,12 @@ struct Rank {
 #[derive(Serialize)]
 struct Point {
     id: IndividualId,
-    bending: f64,
-    blocking: f64,
+    /// Its objectives.
+    #[serde(flatten)]
+    objectives: BTreeMap<&'static str, f64>,
     figure_of_merit: f64,
     max_force: f64,
-    /// Degrees, at the pressure (MPa) behind it.
+    /// Degrees, at the pressure (MPa) behind it, of the first scenario.
     angle_deg: f64,
     bending_pressure: f64,
     flags: String,
@@ -78,8 +80,9 @@ struct Point {
 struct SolidPoint {
     id: String,
     verdict: String,
-    bending: f64,
-    blocking: f64,
+    /// Its objectives.
+    #[serde(flatten)]
+    objectives: BTreeMap<&'static str, f64>,
     figure_of_merit: f64,
     max_force: f64,
 }
@@ -180,23 +183,21 @@ fn point(record: &Record) -> Option<Point> {
     let Outcome::Evaluated(evaluation) = &record.outcome else { return None };
     Some(Point {
         id: record.id,
-        bending: evaluation.bending,
-        blocking: evaluation.blocking,
+        objectives: evaluation.known().map(|(objective, value)| (objective.name, value)).collect(),
         figure_of_merit: evaluation.figure_of_merit,
         max_force: evaluation.max_force,
         angle_deg: evaluation.angle_deg,
-        bending_pressure: evaluation.bending_pressure,
+        bending_pressure: evaluation.ending(&SCENARIOS[0])?.pressure,
         flags: flags(&evaluation.exploits),
     })
 }
 
 fn solid_point(row: &Row) -> Option<SolidPoint> {
-    let [bending, blocking] = row.solid_objectives()?;
+    let objectives = row.solid_objectives()?.into_iter();
     Some(SolidPoint {
         id: row.design.clone(),
         verdict: row.verdict.clone(),
-        bending,
-        blocking,
+        objectives: objectives.map(|(objective, value)| (objective.name, value)).collect(),
         figure_of_merit: row.figure_of_merit_solid?,
         max_force: row.max_force_solid?,
     })

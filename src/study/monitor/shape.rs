@@ -1,14 +1,14 @@
-//! A design in three dimensions: its shell at rest and at every state of both scenarios.
+//! A design in three dimensions: its shell at rest and at every state of its scenarios.
 
 use serde::Serialize;
 
-use crate::fitness::{CandidateSettings, Observation, Scenarios, evaluate_network};
+use crate::fitness::{CandidateSettings, Observation, Walked, evaluate_network};
 use crate::genome::Network;
 use crate::math::Vec3;
 use crate::mesh::ShellMesh;
 use crate::model::material::Material;
-use crate::model::membrane_states;
-use crate::solve::{Backend, Path, PathPoint};
+use crate::model::{PartModel, membrane_states};
+use crate::solve::{Backend, PathPoint};
 use crate::surface::TriangleMesh;
 
 /// A shell, what blocks it, and how it moves.
@@ -20,8 +20,9 @@ pub(crate) struct Shape {
     triangles: Vec<u32>,
     /// mm.
     thickness: f64,
+    /// That of the first scenario with one.
     plane: Option<Plane>,
-    scenarios: [Scenario; 2],
+    scenarios: Vec<Scenario>,
 }
 
 #[derive(Serialize)]
@@ -62,17 +63,20 @@ pub(crate) fn computed(
     let (Some(mesh), Some(scenarios)) = (candidate.mesh, candidate.scenarios) else {
         return Ok(None);
     };
-    let Scenarios { model, free, blocked, free_rows, blocked_rows, .. } = scenarios;
-    let shown = |point: &PathPoint| {
-        frame(&mesh, &settings.material, point.load, &model.vertex_displacements(&point.x))
+    let scenario = |(walked, model): (&Walked, &PartModel)| {
+        let shown = |point: &PathPoint| {
+            frame(&mesh, &settings.material, point.load, &model.vertex_displacements(&point.x))
+        };
+        let Walked { scenario, path, rows, .. } = walked;
+        Scenario {
+            // The page calls by its name what is in the way, and else by what the part does.
+            name: if scenario.branches_off.is_some() { scenario.name } else { scenario.action },
+            ending: path.ending.name(),
+            rows: rows.clone(),
+            frames: path.points.iter().map(shown).collect(),
+        }
     };
-    let scenario = |name, path: &Path, rows| Scenario {
-        name,
-        ending: path.ending.name(),
-        rows,
-        frames: path.points.iter().map(shown).collect(),
-    };
-    let plane = model.plane_places().first().map(|&(normal, offset)| {
+    let plane = scenarios.model().plane_places().first().map(|&(normal, offset)| {
         let middle = mean(&mesh.surface);
         let point = middle + normal * (offset - normal.dot(&middle));
         Plane { normal: normal.into(), point: point.into() }
@@ -82,10 +86,7 @@ pub(crate) fn computed(
         triangles: mesh.surface.triangles.concat(),
         thickness: mesh.thickness,
         plane,
-        scenarios: [
-            scenario("bending", &free, free_rows),
-            scenario("blocked", &blocked, blocked_rows),
-        ],
+        scenarios: scenarios.with_models().map(scenario).collect(),
     }))
 }
 

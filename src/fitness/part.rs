@@ -1,0 +1,44 @@
+//! What can be walked through a scenario: a shell, or the solid of its wall.
+
+use crate::math::Rejected;
+use crate::mesh::ShellMesh;
+use crate::model::material::Material;
+use crate::model::{PartModel, PartSetup, Support};
+
+/// A part of one chamber that can be put through scenarios.
+pub trait Part {
+    /// The shell: what is watched of the part are its vertices.
+    fn shell(&self) -> &ShellMesh;
+
+    /// The model of the part among what `setup` lists, held by its clamp.
+    ///
+    /// # Errors
+    /// [`Rejected`] when the part has none.
+    fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected>;
+
+    /// Volume of the wall at rest, cm^3.
+    fn wall_volume_cm3(&self) -> f64;
+}
+
+/// A shell of one material.
+#[derive(Clone, Copy, Debug)]
+pub struct ShellPart<'a> {
+    /// The middle of its wall.
+    pub shell: &'a ShellMesh,
+    /// What the wall is made of.
+    pub material: &'a Material,
+}
+
+impl Part for ShellPart<'_> {
+    fn shell(&self) -> &ShellMesh {
+        self.shell
+    }
+
+    fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected> {
+        PartModel::new(self.shell, self.material, &Support::Clamp, setup)
+    }
+
+    fn wall_volume_cm3(&self) -> f64 {
+        1e-3 * self.shell.thickness * self.shell.surface.area()
+    }
+}
