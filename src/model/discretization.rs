@@ -161,6 +161,22 @@ impl Discretization {
         Ok(Self { reference, pressures: 0, wall, points, surface, ties, held, areas, thickness })
     }
 
+    /// The volume of the wall at rest that belongs to each node, `int N_i dV`, mm^3.
+    pub(super) fn node_volumes(&self) -> Vec<f64> {
+        if let Wall::Solid(body) = &self.wall {
+            return body.node_volumes();
+        }
+        let mut volumes = vec![0.0; self.reference.len()];
+        for (points, area) in self.points.iter().zip(&self.areas) {
+            for (&node, weights) in points.nodes.iter().zip(&points.weights) {
+                // The three edge midpoints integrate quadratics.
+                let mean = (weights[3] + weights[4] + weights[5]) / 3.0;
+                volumes[node as usize] += mean * area * self.thickness;
+            }
+        }
+        volumes
+    }
+
     /// The pressure on a patch: of its chamber, closed by its cuts in the planes of symmetry; where a side is open, of the volume
     /// over a point, with what its rim adds for a `pressure` (MPa).
     ///

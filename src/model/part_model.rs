@@ -122,6 +122,7 @@ impl PartModel {
         faces: Faces,
         setup: &PartSetup,
     ) -> Self {
+        let volumes = parts.node_volumes();
         let Discretization { reference, ties, surface, .. } = parts;
         let area = parts.areas.iter().sum::<f64>();
         let element_size = (area / parts.areas.len() as f64).sqrt();
@@ -137,6 +138,10 @@ impl PartModel {
         }));
         let mut terms: Vec<Placed> = Vec::new();
         terms.extend(loads.dead.map(|dead| Placed::new(dead, &body)));
+        if setup.body_force != Vec3::zeros() {
+            let weights = volumes.iter().map(|volume| *volume * setup.body_force).collect();
+            terms.push(Placed::new(DeadForces::weight(weights, &body.ties), &body));
+        }
         terms.push(wall);
         terms.extend(loads.others.into_iter().map(|term| Placed::of_boxed(term, &body)));
         let planes =
@@ -424,7 +429,7 @@ impl LoadedSystem for PartModel {
         let mut forces = vec![Vec3::zeros(); self.body.reference.len()];
         in_place(&self.terms).for_each(|term| term.add_load_direction(&at, &mut forces));
         self.body.ties.reduce(&mut forces);
-        for dead in self.each::<DeadForces>() {
+        for dead in self.each::<DeadForces>().filter(|dead| dead.is_load()) {
             forces.iter_mut().zip(dead.on_unknowns()).for_each(|(sum, force)| *sum += force);
         }
         direction.fill(0.0);

@@ -2,6 +2,7 @@
 
 use super::contact::{PlaneSettings, SelfContactSettings};
 use super::stretch_bound::DEFAULT_STRETCH_BOUND;
+use crate::math::Vec3;
 
 /// What a model has besides its wall, its supports and its loads.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,11 +13,18 @@ pub struct PartSetup {
     pub folds: Option<FoldContact>,
     /// The stretch beyond which the part is said to balloon.
     pub stretch_bound: f64,
+    /// Force per volume of the wall at rest, N/mm^3: its weight. It acts whole, whatever the load.
+    pub body_force: Vec3,
 }
 
 impl Default for PartSetup {
     fn default() -> Self {
-        Self { planes: Vec::new(), folds: None, stretch_bound: DEFAULT_STRETCH_BOUND }
+        Self {
+            planes: Vec::new(),
+            folds: None,
+            stretch_bound: DEFAULT_STRETCH_BOUND,
+            body_force: Vec3::zeros(),
+        }
     }
 }
 

@@ -120,7 +120,9 @@ impl PartModel {
         let rest = vec![0.0; model.unknowns()];
         let mut load = rest.clone();
         model.load_direction(&rest, &mut load);
-        let largest = load.iter().fold(0.0_f64, |largest, force| largest.max(force.abs()));
+        let weights = model.each::<DeadForces>().flat_map(|dead| dead.on_unknowns().iter().flatten());
+        let forces = load.iter().chain(weights);
+        let largest = forces.fold(0.0_f64, |largest, force| largest.max(force.abs()));
         // A thin wall under bending answers to forces far below its membrane's, down to what rounding leaves: strains of
         // some roundings of size / element at thousands of nodes, 1e-13 in all, of which the tolerance's 1e-9 makes 1e-4.
         if largest > 0.0 {

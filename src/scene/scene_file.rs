@@ -49,6 +49,9 @@ pub(crate) struct SceneFile {
     /// Keeps the folds of the wall apart; without it they pass through each other unseen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_contact: Option<SelfContactSection>,
+    /// The weight of the wall, which acts whole from the start, whatever the load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<GravitySection>,
     /// The wall as a solid, instead of a shell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solid: Option<SolidSection>,
@@ -172,6 +175,30 @@ impl Default for SelfContactSection {
     }
 }
 
+/// The weight of the wall.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GravitySection {
+    /// Mass of the wall per volume, g/cm^3: of silicones and printed elastomers about 1.1.
+    pub density: f64,
+    /// Acceleration, m/s^2; z is the long axis of a closed part.
+    #[serde(default = "downwards")]
+    pub acceleration: [f64; 3],
+}
+
+/// m/s^2.
+fn downwards() -> [f64; 3] {
+    [0.0, 0.0, -9.81]
+}
+
+impl GravitySection {
+    /// The weight per volume, N/mm^3.
+    fn body_force(&self) -> Vec3 {
+        // 1 g/cm^3 is 1e-6 kg/mm^3, and 1 m/s^2 is 1 N/kg.
+        1e-6 * self.density * Vec3::from(self.acceleration)
+    }
+}
+
 /// A rigid plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -245,6 +272,12 @@ impl SceneFile {
                 positive("[self_contact] pressure", pressure)?;
             }
         }
+        if let Some(GravitySection { density, acceleration }) = self.gravity {
+            within("[gravity] density", density, 1e-3, 30.0)?;
+            for component in acceleration {
+                within("[gravity] acceleration", component, -1e4, 1e4)?;
+            }
+        }
         if let Some(section) = &self.solid {
             section.check()?;
             ensure!(
@@ -288,6 +321,7 @@ impl SceneFile {
             planes: self.plane_settings(pressure)?,
             folds: Some(folds),
             stretch_bound: self.load_settings().stretch_bound,
+            body_force: self.gravity.map_or(Vec3::zeros(), |gravity| gravity.body_force()),
         })
     }
 

@@ -20,7 +20,7 @@
 use nalgebra::Matrix3;
 
 use crate::math::{Rejected, Room, Vec3};
-use crate::mesh::{SolidMesh, TET_EDGES, quadratic_slopes};
+use crate::mesh::{SolidMesh, TET_EDGES, quadratic_shapes, quadratic_slopes};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::SolidLaw;
 use crate::model::system::Inadmissible;
@@ -71,6 +71,25 @@ impl TaylorHood {
     #[must_use]
     pub fn volume(&self) -> f64 {
         (0..self.cells.len()).flat_map(|s| self.shapes(s)).flatten().map(|shape| shape.dv).sum()
+    }
+
+    /// The volume at rest that belongs to each node, `int N_i dV`, mm^3.
+    #[must_use]
+    pub fn node_volumes(&self) -> Vec<f64> {
+        let mut volumes = vec![0.0; self.reference.len()];
+        for (s, (stencil, cell)) in self.stencils.iter().zip(&self.cells).enumerate() {
+            for Shapes { corners, dv, .. } in self.shapes(s).flatten() {
+                let mut barycentric = [0.0; CORNERS];
+                for (&local, l) in cell.corners.iter().zip(corners) {
+                    barycentric[local as usize] = l;
+                }
+                let shapes = quadratic_shapes(&barycentric);
+                for (&node, &local) in stencil.iter().zip(&cell.nodes) {
+                    volumes[node as usize] += shapes[local as usize] * dv;
+                }
+            }
+        }
+        volumes
     }
 
     /// Of each of `pressures`, about `-B A^-1 B^T + C` on the diagonal, sign changed: `(1 / mu + 1 / kappa) unit^2 int L_a^2 dV`,

@@ -10,6 +10,8 @@ use crate::model::tie::Ties;
 pub struct DeadForces {
     /// Share of them that is applied.
     pub load_factor: f64,
+    /// Whether they grow with the load; a weight is there from the start.
+    is_load: bool,
     /// On the unknowns of each node, N.
     on_unknowns: Vec<Vec3>,
     /// On each displaced node, N.
@@ -22,7 +24,19 @@ impl DeadForces {
     pub(in crate::model) fn new(on_nodes: Vec<Vec3>, ties: &Ties) -> Self {
         let mut on_unknowns = on_nodes.clone();
         ties.reduce(&mut on_unknowns);
-        Self { load_factor: 0.0, on_unknowns, on_nodes }
+        Self { load_factor: 0.0, is_load: true, on_unknowns, on_nodes }
+    }
+
+    /// Forces that act whole, whatever the load.
+    #[must_use]
+    pub(in crate::model) fn weight(on_nodes: Vec<Vec3>, ties: &Ties) -> Self {
+        Self { load_factor: 1.0, is_load: false, ..Self::new(on_nodes, ties) }
+    }
+
+    /// Whether they grow with the load.
+    #[must_use]
+    pub fn is_load(&self) -> bool {
+        self.is_load
     }
 
     /// The whole forces on the unknowns of each node, N.
@@ -57,7 +71,9 @@ impl PartTerm for DeadForces {
     }
 
     fn set_load(&mut self, load: f64) {
-        self.load_factor = load;
+        if self.is_load {
+            self.load_factor = load;
+        }
     }
 
     fn whole_energy(&self, at: &Configuration<'_>) -> Option<f64> {
@@ -69,6 +85,6 @@ impl PartTerm for DeadForces {
     }
 
     fn conjugate(&self, at: &Configuration<'_>) -> f64 {
-        self.work(at.unknowns)
+        if self.is_load { self.work(at.unknowns) } else { 0.0 }
     }
 }
