@@ -120,7 +120,8 @@ impl PartModel {
         let rest = vec![0.0; model.unknowns()];
         let mut load = rest.clone();
         model.load_direction(&rest, &mut load);
-        let weights = model.each::<DeadForces>().flat_map(|dead| dead.on_unknowns().iter().flatten());
+        let weights =
+            model.each::<DeadForces>().flat_map(|dead| dead.on_unknowns().iter().flatten());
         let forces = load.iter().chain(weights);
         let largest = forces.fold(0.0_f64, |largest, force| largest.max(force.abs()));
         // A thin wall under bending answers to forces far below its membrane's, down to what rounding leaves: strains of

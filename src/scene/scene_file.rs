@@ -178,7 +178,7 @@ impl Default for SelfContactSection {
 /// The weight of the wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct GravitySection {
+pub(crate) struct GravitySection {
     /// Mass of the wall per volume, g/cm^3: of silicones and printed elastomers about 1.1.
     pub density: f64,
     /// Acceleration, m/s^2; z is the long axis of a closed part.
@@ -587,6 +587,7 @@ pub(crate) fn defaults() -> String {
         },
         solver: default_solver(),
         self_contact: None,
+        gravity: None,
         solid: None,
         planes: Vec::new(),
         edges: Vec::new(),

@@ -239,7 +239,7 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
     let material = scene.material.material()?;
     let element = scene.wall.element.unwrap_or_default();
     let model = PartModel::of_patch(&patch, element, &material, &loads, &setup)
-            .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
+        .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
     let watches = scene
         .watches
         .iter()

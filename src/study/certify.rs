@@ -19,8 +19,8 @@ use super::run_file::RunFile;
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, Threads};
 use crate::evolve::Nsga2;
 use crate::fitness::{
-    CandidateSettings, Certificate, Evaluation, NotEvaluated, Outcome, Part,
-    Scenarios, Unevaluated, evaluate, evaluate_network, evaluate_network_until,
+    CandidateSettings, Certificate, Evaluation, NotEvaluated, Outcome, Part, Scenarios,
+    Unevaluated, evaluate, evaluate_network, evaluate_network_until,
 };
 use crate::genome::{Genome, Network};
 use crate::io::provenance::COMMIT;

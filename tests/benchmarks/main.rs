@@ -4,6 +4,7 @@
 mod basic_bend;
 mod ellipsoid;
 mod follower;
+mod gravity;
 mod inflated_sphere;
 mod inflated_tube;
 mod lids;

@@ -263,8 +263,8 @@ pub(crate) fn solid(
     section: &SolidSection,
 ) -> anyhow::Result<(SolidMesh, SolidReport)> {
     let failed = |rejected| anyhow!("{rejected}");
-    let model = PartModel::new(shell, material, &Support::Clamp, &PartSetup::default())
-        .map_err(failed)?;
+    let model =
+        PartModel::new(shell, material, &Support::Clamp, &PartSetup::default()).map_err(failed)?;
     let SolidPart { mesh, report } =
         SolidPart::new(&model, shell.thickness, section)?.map_err(failed)?;
     Ok((mesh, report))
@@ -344,8 +344,9 @@ impl Subject {
         };
         let inp = calculix::deck(&case)?;
         let held = SolidMesh::unknowns_of(&clamp);
-        let mut model = PartModel::of_solid(mesh, wall.thickness, &law, &held.into(), &load.setup(Vec::new()))
-            .map_err(|rejected| anyhow!("{rejected}"))?;
+        let mut model =
+            PartModel::of_solid(mesh, wall.thickness, &law, &held.into(), &load.setup(Vec::new()))
+                .map_err(|rejected| anyhow!("{rejected}"))?;
         let mut solver = self.backend.solver_by(self.linear, model.pattern())?;
         let walked = follow(&mut model, solver.as_mut(), load.pressure, Vec::new(), &load.path)?;
         let samples: Vec<&PathPoint> =
