@@ -8,6 +8,7 @@
 //! has a maximum, the balloon's limit point. Source: Green & Adkins (1970), large elastic deformations.
 
 use pneumorph::mesh::ShellElement;
+use pneumorph::model::PartSetup;
 use pneumorph::solve::{Ending, PathPoint, PathSettings, Programme, Supply};
 
 use crate::parts::{RADIUS, driven, sphere, sphere_among, walked};
