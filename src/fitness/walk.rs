@@ -224,7 +224,7 @@ fn cut_short(path: &Path, pressure: f64, scenario: &Scenario) -> Option<Rejected
     (!path.ending.is_physical() || !is_loaded).then(|| {
         Rejected::new(
             Room::Solve,
-            path.ending.name(),
+            path.ending.reason(),
             format!(
                 "{}: the path ends at {:.1} % of the largest pressure",
                 scenario.action,

@@ -25,7 +25,7 @@ use super::system::{
     Inadmissible, Layout, Limit, LimitKind, LoadedSystem, Multiplier, SparsityPattern, System,
 };
 use super::tie::{Tied, Ties};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
 use crate::surface::TriangleMesh;
 
@@ -136,7 +136,7 @@ impl PartModel {
                     "({:.3}, {:.3}, {:.3}) mm lies in no cell of the wall",
                     point.x, point.y, point.z
                 );
-                Rejected::new(Room::Model, "outside_wall", detail, 1.0)
+                Rejected::new(Room::Model, Reason::OutsideWall, detail, 1.0)
             })?;
             let weights = quadratic_shapes(&barycentric).map(|weight| [weight]);
             let (nodes, weights) = ascending(&mesh.tetrahedra[cell], &weights);

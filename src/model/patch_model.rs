@@ -7,7 +7,7 @@ use super::load::{DeadLoad, EdgeMoment, FollowerForce, FollowerLoads, Loaded};
 use super::material::Material;
 use super::part_model::PartModel;
 use super::system::LoadedSystem;
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{BoundaryEdge, Patch, ShellElement, Side};
 
 /// How a patch is held and loaded; the load factor multiplies all loads.
@@ -93,7 +93,7 @@ impl PartModel {
             if loads.supports[side as usize] != EdgeSupport::Free {
                 let detail =
                     format!("the moment is on side {side:?}, which is held and cannot turn");
-                return Err(Rejected::new(Room::Model, "no_axis", detail, 1.0));
+                return Err(Rejected::new(Room::Model, Reason::NoAxis, detail, 1.0));
             }
             let length = |edge: &BoundaryEdge| loaded.length(edge);
             let (nodes, edges) = parts.moment_edges(patch, side, per_length, length)?;
@@ -107,7 +107,7 @@ impl PartModel {
         if model.free_unknowns() == 0 {
             let detail =
                 "nothing of the patch can move; it wants more cells between its held sides";
-            return Err(Rejected::new(Room::Model, "nothing_moves", detail.to_owned(), 1.0));
+            return Err(Rejected::new(Room::Model, Reason::NothingMoves, detail.to_owned(), 1.0));
         }
         model.place(&loads.planes, Faces::about_middle(patch.thickness));
         model.pressure = loads.pressure;
