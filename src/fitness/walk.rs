@@ -38,6 +38,12 @@ impl Walked {
         &self.rows[self.common..]
     }
 
+    /// Whether planes stood in the way.
+    #[must_use]
+    pub fn is_obstructed(&self) -> bool {
+        self.in_place
+    }
+
     /// Pressure of the last sample, MPa.
     #[must_use]
     pub fn last_pressure(&self) -> f64 {
