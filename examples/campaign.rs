@@ -149,7 +149,7 @@ fn design(genome: &Genome, settings: &CandidateSettings) -> Design {
         (Outcome::Evaluated(_), None) => Design::Broken("evaluated without a path".to_owned()),
         (Outcome::Rejected(rejected), _) if rejected.room == Room::Solve => {
             let failed = Way {
-                ending: rejected.reason.clone(),
+                ending: rejected.reason.to_string(),
                 reached: 1.0 - rejected.violation,
                 snaps: 0,
             };

@@ -57,7 +57,7 @@ fn main() {
                 (format!("{} at {:.2}", filled.mesher, filled.edge), filled.attempts, words)
             }
             Err(Unfilled::Rejected { rejected, attempts }) => {
-                (rejected.reason, attempts, rejected.detail)
+                (rejected.reason.to_string(), attempts, rejected.detail)
             }
             Err(Unfilled::Machine(what)) => panic!("{what}"),
         };

@@ -10,7 +10,7 @@ use super::part::Part;
 use super::scenario::{blocked, free};
 use super::settings::{FitnessSettings, LoadSettings};
 use super::walk::{Scenarios, Walked, walk_scenarios};
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 use crate::solve::{Backend, Stop};
 
 /// Walks `part` through the scenarios that `fitness` asks for, and reads the objectives off; until `stop` wants that to end.
@@ -68,11 +68,11 @@ fn not_finite(evaluation: &Evaluation) -> Option<Rejected> {
         asked(Asked::Always).chain(figures).chain(asked(Asked::ByName)).collect();
     (!numbers.iter().all(|number| number.is_finite())).then(|| {
         let detail = format!("among what was read off the paths is no number: {numbers:?}");
-        Rejected::new(Room::Fitness, "not_finite", detail, 1.0)
+        Rejected::new(Room::Fitness, Reason::NotFinite, detail, 1.0)
     })
 }
 
 /// Why a design is rejected whose objectives are doubted: it came to the end, and is as far from acceptable as flags are many.
 fn excluded(exploits: &[Exploit]) -> Rejected {
-    Rejected::new(Room::Fitness, "exploit", flags(exploits), 0.1 * exploits.len() as f64)
+    Rejected::new(Room::Fitness, Reason::Exploit, flags(exploits), 0.1 * exploits.len() as f64)
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Evaluation;
-use crate::math::{Rejected, Room};
+use crate::math::{Rejected, Stage};
 use crate::solve::SolverFailure;
 
 /// CPU seconds of one candidate by stage.
@@ -83,16 +83,12 @@ impl Outcome {
             Self::Evaluated(_) => 0.0,
             Self::Rejected(rejected) => {
                 let graded = rejected.violation / (1.0 + rejected.violation);
-                match (rejected.room, rejected.reason.as_str()) {
-                    (Room::Solve | Room::Fitness | Room::Printing, _) => {
-                        rejected.violation.clamp(f64::MIN_POSITIVE, 1.0)
-                    }
-                    (Room::Mesh | Room::Model, _) => 1.0 + graded,
-                    (_, "unresolved_surface" | "self_intersecting" | "too_many_triangles") => {
-                        2.0 + graded
-                    }
-                    (_, "no_surface") => 4.0,
-                    (Room::Genome | Room::Field | Room::Surface, _) => 3.0 + graded,
+                match rejected.stage() {
+                    Stage::Nothing => 4.0,
+                    Stage::Chamber => 3.0 + graded,
+                    Stage::Triangles => 2.0 + graded,
+                    Stage::Shell => 1.0 + graded,
+                    Stage::Path => rejected.violation.clamp(f64::MIN_POSITIVE, 1.0),
                 }
             }
         }
@@ -102,20 +98,21 @@ impl Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::{Reason, Room};
 
     /// Whatever the size of its own violation, a candidate that came farther is nearer to acceptable.
     #[test]
     fn violations_are_ordered_by_how_far_a_candidate_came() {
         let stages = [
-            (Room::Solve, "limit_point"),
-            (Room::Model, "folds_tighter_than_wall"),
-            (Room::Surface, "unresolved_surface"),
-            (Room::Surface, "islands"),
-            (Room::Surface, "no_surface"),
+            (Room::Solve, Reason::LimitPoint),
+            (Room::Model, Reason::FoldsTighterThanWall),
+            (Room::Surface, Reason::UnresolvedSurface),
+            (Room::Surface, Reason::Islands),
+            (Room::Surface, Reason::NoSurface),
         ];
         let violations = stages.map(|(room, reason)| {
             [1e-3, 1.0, 169.0].map(|violation| {
-                let rejected = Rejected::new(room, reason, String::new(), violation);
+                let rejected = Rejected::new(room, reason.clone(), String::new(), violation);
                 Outcome::Rejected(rejected).constraint_violation()
             })
         });

@@ -38,6 +38,12 @@ impl Walked {
         &self.rows[self.common..]
     }
 
+    /// Whether planes stood in the way.
+    #[must_use]
+    pub fn is_obstructed(&self) -> bool {
+        self.in_place
+    }
+
     /// Pressure of the last sample, MPa.
     #[must_use]
     pub fn last_pressure(&self) -> f64 {
@@ -223,7 +229,7 @@ fn cut_short(path: &Path, pressure: f64, scenario: &Scenario) -> Option<Rejected
     (!path.ending.is_physical() || !is_loaded).then(|| {
         Rejected::new(
             Room::Solve,
-            path.ending.name(),
+            path.ending.reason(),
             format!(
                 "{}: the path ends at {:.1} % of the largest pressure",
                 scenario.action,

@@ -17,7 +17,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Rings, Stencil};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::surface::TriangleMesh;
 
 /// A side of the lattice.
@@ -288,7 +288,7 @@ impl Patch {
 const NEIGHBOURS: [Place; 6] = [[1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]];
 
 fn rejected(detail: String) -> Rejected {
-    Rejected::new(Room::Mesh, "no_patch", detail, 1.0)
+    Rejected::new(Room::Mesh, Reason::NoPatch, detail, 1.0)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Ends, Rings, Stencil};
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 use crate::surface::TriangleMesh;
 
 /// The finite element of a shell.
@@ -83,7 +83,7 @@ impl ShellMesh {
         if clamp.len() < 3 {
             return Err(Rejected::new(
                 Room::Mesh,
-                "clamp_holds_nothing",
+                Reason::ClampHoldsNothing,
                 format!(
                     "the clamp below z = {clamp_top:.3} mm holds {} vertices, fewer than 3",
                     clamp.len()

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::WallSurfaces;
 use super::from_field::{GRID_SHARE, REMESH_ITERATIONS};
 use crate::field::{GridSamples, ScalarField};
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 use crate::surface::{
     Filleted, Grading, Offset, RemeshSettings, SignedDistance, TriangleMesh,
     interpolated_isosurface, intersecting_pairs, remesh_graded,
@@ -75,7 +75,7 @@ pub fn wall_surfaces(
     if crossings > 0 {
         let detail = format!("{crossings} pairs of triangles of the mid-surface cross");
         let share = crossings as f64 / mid.triangles.len() as f64;
-        return Err(rejected("self_intersecting", detail, share));
+        return Err(rejected(Reason::SelfIntersecting, detail, share));
     }
     let face = |offset| Face { distance: &distance, offset, edge, fillet };
     let chamber = face(-0.5 * thickness).surface()?;
@@ -99,7 +99,7 @@ impl Face<'_> {
     fn surface(&self) -> Result<TriangleMesh, Rejected> {
         let plain = self.meshed(&self.level(self.offset), self.edge);
         match plain {
-            Err(rejection) if rejection.reason != "chamber_closed" => {}
+            Err(rejection) if rejection.reason != Reason::ChamberClosed => {}
             plain => return plain,
         }
         let core = self.core(self.fillet)?;
@@ -163,7 +163,7 @@ impl Face<'_> {
         let share = lesser / (lesser + volumes[main]);
         if share > MOST_CUT_OFF {
             let outside = self.offset > 0.0;
-            let reason = if outside { "enclosed_pocket" } else { "chamber_divided" };
+            let reason = if outside { Reason::EnclosedPocket } else { Reason::ChamberDivided };
             let detail = format!(
                 "passages narrower than {:.1} mm cut off {} pieces of the {}, {:.1} % of the volume",
                 2.0 * (offset - self.offset).abs(),
@@ -183,7 +183,7 @@ impl Face<'_> {
         let samples = GridSamples::of(self.distance, lower, step, counts);
         let depth = -samples.values.iter().copied().fold(0.0, f64::min);
         let detail = format!("the middle of the wall is {depth:.2} mm deep, not {:.2} mm", -offset);
-        rejected("chamber_closed", detail, (1.0 + depth / offset).max(0.0))
+        rejected(Reason::ChamberClosed, detail, (1.0 + depth / offset).max(0.0))
     }
 
     fn name(&self) -> &str {
@@ -215,18 +215,18 @@ fn check_whole(
         let detail = format!(
             "the faces come within {share:.2} half thicknesses of the middle of the wall, {LEAST_SHARE} allowed"
         );
-        return Err(rejected("wall_broken", detail, LEAST_SHARE - share));
+        return Err(rejected(Reason::WallBroken, detail, LEAST_SHARE - share));
     }
     let crossings = intersecting_pairs(&outer.joined(chamber)).len();
     if crossings > 0 {
         let detail = format!("{crossings} pairs of triangles of the two faces cross");
         let share = crossings as f64 / (outer.triangles.len() + chamber.triangles.len()) as f64;
-        return Err(rejected("wall_broken", detail, share));
+        return Err(rejected(Reason::WallBroken, detail, share));
     }
     Ok(())
 }
 
-fn rejected(reason: &str, detail: String, violation: f64) -> Rejected {
+fn rejected(reason: Reason, detail: String, violation: f64) -> Rejected {
     Rejected::new(Room::Mesh, reason, detail, violation)
 }
 
@@ -334,30 +334,30 @@ mod tests {
     fn each_failure_has_its_reason_and_size() {
         let ball = |p: Vec3, x: f64, radius: f64| (p - Vec3::new(x, 0.0, 0.0)).norm() - radius;
         let tube = |p: Vec3, radius: f64| p.y.hypot(p.z) - radius;
-        let rejected = |mid: &TriangleMesh, thickness, reason: &str, violation: f64| {
+        let rejected = |mid: &TriangleMesh, thickness, reason: Reason, violation: f64| {
             let rejection = wall_surfaces(mid, thickness, &settings(1.5)).unwrap_err();
             assert_eq!(rejection.reason, reason, "{rejection}");
             // Gaps are judged where the middle of a ball of 0.4 mm can be: 1.2 mm from the mid-surface. The lattice of 0.6 mm loses
             // up to 4 % of a small ball's radius.
             assert_relative_eq!(rejection.violation, violation, max_relative = 0.15);
         };
-        rejected(&TriangleMesh::sphere(2.0, 3), 5.0, "chamber_closed", 1.0 - 2.0 / 2.5);
+        rejected(&TriangleMesh::sphere(2.0, 3), 5.0, Reason::ChamberClosed, 1.0 - 2.0 / 2.5);
         let dumbbell = |p| {
             let channel = tube(p, 0.6).max(p.x.abs() - 6.0);
             ball(p, -6.0, 4.0).min(ball(p, 6.0, 3.0)).min(channel)
         };
         let ratio = (1.8_f64 / 2.8).powi(3);
-        rejected(&level(dumbbell, 0.6), 1.6, "chamber_divided", ratio / (1.0 + ratio));
+        rejected(&level(dumbbell, 0.6), 1.6, Reason::ChamberDivided, ratio / (1.0 + ratio));
         let bottle = |p| {
             let channel = tube(p, 0.6).max(-p.x);
             ball(p, 0.0, 10.0).max(-ball(p, 0.0, 5.0).min(channel))
         };
         let ratio = (3.8_f64 / 11.2).powi(3);
-        rejected(&level(bottle, 0.6), 1.6, "enclosed_pocket", ratio / (1.0 + ratio));
+        rejected(&level(bottle, 0.6), 1.6, Reason::EnclosedPocket, ratio / (1.0 + ratio));
         let balls = TriangleMesh::sphere(5.0, 3);
         let mut moved = balls.clone();
         moved.positions.iter_mut().for_each(|p| p.x += 7.0);
         let rejection = wall_surfaces(&balls.joined(&moved), 1.6, &settings(1.5)).unwrap_err();
-        assert_eq!(rejection.reason, "self_intersecting");
+        assert_eq!(rejection.reason, Reason::SelfIntersecting);
     }
 }

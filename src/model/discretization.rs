@@ -19,7 +19,7 @@ use super::part_term::PartTerm;
 use super::patch_model::PatchLoads;
 use super::system::Inadmissible;
 use super::tie::Ties;
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{BoundaryEdge, Patch, ShellElement, ShellMesh, Side, SolidMesh, Stencil};
 
 /// The stored energy of a wall of any element.
@@ -98,7 +98,7 @@ impl Discretization {
     ) -> Result<Self, Rejected> {
         let law = material.solid().ok_or_else(|| {
             let detail = "the material is one of shells alone".to_owned();
-            Rejected::new(Room::Model, "no_solid_law", detail, 1.0)
+            Rejected::new(Room::Model, Reason::NoSolidLaw, detail, 1.0)
         })?;
         let (boundary, nodes) = mesh.boundary();
         let areas = facet_areas(&boundary.triangles, &boundary.positions);
@@ -240,7 +240,7 @@ impl Discretization {
         }
         if planes.iter().filter(|planes| planes.len() > 1).count() > 1 {
             let detail = "pressure cannot be cut by planes of symmetry that face each other along two axes; model a part between fewer planes";
-            return Err(Rejected::new(Room::Model, "open_chamber", detail.to_owned(), 1.0));
+            return Err(Rejected::new(Room::Model, Reason::OpenChamber, detail.to_owned(), 1.0));
         }
         for (origin, planes) in origin.iter_mut().zip(&planes) {
             *origin = planes.first().copied().unwrap_or(*origin);
@@ -278,7 +278,7 @@ impl Discretization {
             let detail = format!(
                 "the moment on side {side:?} wants an axis, other than 0, along the side, which is straight"
             );
-            return Err(Rejected::new(Room::Model, "no_axis", detail, 1.0));
+            return Err(Rejected::new(Room::Model, Reason::NoAxis, detail, 1.0));
         }
         let edges = patch.boundary_edges().into_iter().filter(|edge| edge.side == side);
         let of_edge = |edge: BoundaryEdge| {

@@ -27,7 +27,7 @@
 use nalgebra::Matrix3;
 
 use super::tie::{Combination, Ties};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{BoundaryEdge, Patch, Place, Side};
 
 /// How one side of a patch is held.
@@ -318,7 +318,7 @@ fn check_sides(patch: &Patch, supports: &EdgeSupports) -> Result<(), Rejected> {
     let no_symmetry = |side: Side, axis: usize, why: &str| {
         let normal = ["x", "y", "z"][axis];
         let detail = format!("side {side:?} is no plane of symmetry with normal {normal}: {why}");
-        Rejected::new(Room::Model, "no_symmetry", detail, 1.0)
+        Rejected::new(Room::Model, Reason::NoSymmetry, detail, 1.0)
     };
     let mut planes = [None; 4];
     for place in patch.node_places() {
@@ -336,7 +336,7 @@ fn check_sides(patch: &Patch, supports: &EdgeSupports) -> Result<(), Rejected> {
                         "side {side:?} cannot be clamped: the surface has no normal at {:.4?}",
                         patch.point(place)
                     );
-                    return Err(Rejected::new(Room::Model, "no_normal", detail, 1.0));
+                    return Err(Rejected::new(Room::Model, Reason::NoNormal, detail, 1.0));
                 }
                 _ => {}
             }
@@ -473,7 +473,7 @@ mod tests {
         let supports =
             [EdgeSupport::Symmetry(0), EdgeSupport::Free, EdgeSupport::Free, EdgeSupport::Free];
         let refused = supports_of_control_points(&plate([4, 4], &skew), &supports, &[]);
-        assert!(refused.is_err_and(|rejected| rejected.reason == "no_symmetry"));
+        assert!(refused.is_err_and(|rejected| rejected.reason == Reason::NoSymmetry));
         assert!(
             supports_of_control_points(
                 &plate([4, 4], &|s, t| Vec3::new(s, t, 0.0)),

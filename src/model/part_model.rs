@@ -25,7 +25,7 @@ use super::stretch_bound::StretchBound;
 use super::system::{
     Inadmissible, Layout, Limit, LoadedSystem, Memory, Multiplier, SparsityPattern, System,
 };
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
 use crate::surface::TriangleMesh;
 
@@ -302,7 +302,7 @@ fn samples_in(mesh: &SolidMesh, points: &[Vec3]) -> Result<Vec<Sample>, Rejected
                 "({:.3}, {:.3}, {:.3}) mm lies in no cell of the wall",
                 point.x, point.y, point.z
             );
-            Rejected::new(Room::Model, "outside_wall", detail, 1.0)
+            Rejected::new(Room::Model, Reason::OutsideWall, detail, 1.0)
         })?;
         let weights = quadratic_shapes(&barycentric).map(|weight| [weight]);
         let (nodes, weights) = ascending(&mesh.tetrahedra[cell], &weights);

@@ -8,7 +8,7 @@ use super::material::Material;
 use super::part_model::{Loads, PartModel};
 use super::part_setup::PartSetup;
 use super::system::LoadedSystem;
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{BoundaryEdge, Patch, ShellElement, Side};
 
 /// How a patch is held and loaded; the load factor multiplies all loads.
@@ -96,7 +96,7 @@ impl PartModel {
             if loads.supports[side as usize] != EdgeSupport::Free {
                 let detail =
                     format!("the moment is on side {side:?}, which is held and cannot turn");
-                return Err(Rejected::new(Room::Model, "no_axis", detail, 1.0));
+                return Err(Rejected::new(Room::Model, Reason::NoAxis, detail, 1.0));
             }
             let length = |edge: &BoundaryEdge| loaded.length(edge);
             let (nodes, edges) = parts.moment_edges(patch, side, per_length, length)?;
@@ -115,7 +115,7 @@ impl PartModel {
         if model.free_unknowns() == 0 {
             let detail =
                 "nothing of the patch can move; it wants more cells between its held sides";
-            return Err(Rejected::new(Room::Model, "nothing_moves", detail.to_owned(), 1.0));
+            return Err(Rejected::new(Room::Model, Reason::NothingMoves, detail.to_owned(), 1.0));
         }
         let rest = vec![0.0; model.unknowns()];
         let mut load = rest.clone();

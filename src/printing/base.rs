@@ -3,7 +3,7 @@
 //! The base is looked at from below on a grid. The middle of the disc is the grid point farthest from all that is no base: the pole
 //! of inaccessibility of a region (Garcia-Castellanos and Lombardo, 2007, Scottish Geographical Journal 123:227-233).
 
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 use crate::mesh::WallSurfaces;
 use crate::surface::TriangleMesh;
 
@@ -75,7 +75,7 @@ impl Base {
                 "nowhere within {:.1} mm of its lowest point is the wall level, with the chamber right above it",
                 self.height
             );
-            return Err(Rejected::new(Room::Printing, "no_base", detail, 1.0));
+            return Err(Rejected::new(Room::Printing, Reason::NoBase, detail, 1.0));
         };
         Ok(BaseDisc { centre, radius, bottom: lower.z })
     }
@@ -134,6 +134,6 @@ mod tests {
         let field = Analytic(move |p: Vec3| (p.x.hypot(p.y) * sin - p.z * cos).max(p.z - 30.0));
         let (lower, upper) = (Vec3::new(-10.0, -10.0, -1.0), Vec3::new(10.0, 10.0, 31.0));
         let rejection = disc(&isosurface(&field, lower, upper, 0.8)).unwrap_err();
-        assert_eq!(rejection.reason, "no_base", "{rejection}");
+        assert_eq!(rejection.reason, Reason::NoBase, "{rejection}");
     }
 }

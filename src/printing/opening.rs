@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::surface::{HalfEdges, TriangleMesh};
 
 /// A circle about a vertical axis, as a polygon.
@@ -221,7 +221,7 @@ fn without_unused(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> (TriangleMe
 
 fn uneven(what: &str) -> Rejected {
     let detail = format!("the base {what} where the inlet should stand");
-    Rejected::new(Room::Printing, "base_uneven", detail, 1.0)
+    Rejected::new(Room::Printing, Reason::BaseUneven, detail, 1.0)
 }
 
 /// Triangles nearer to the rim than this, mm, are made anew: they would be slivers.
@@ -264,6 +264,6 @@ mod tests {
     fn what_is_steep_is_refused() {
         let ball = TriangleMesh::sphere(3.0, 3);
         let rejection = opened(&ball, &Circle { centre: [0.0, 0.0], radius: 2.95 }).unwrap_err();
-        assert_eq!(rejection.reason, "base_uneven", "{rejection}");
+        assert_eq!(rejection.reason, Reason::BaseUneven, "{rejection}");
     }
 }

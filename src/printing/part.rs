@@ -14,7 +14,7 @@
 use std::ops::Range;
 
 use crate::field::{GridSamples, ScalarField};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::WallSurfaces;
 use crate::surface::{SignedDistance, TriangleMesh, intersecting_pairs};
 
@@ -85,7 +85,7 @@ impl PrintedPart {
         if crossings > 0 {
             let detail = format!("{crossings} pairs of triangles of the printed surface cross");
             let share = crossings as f64 / surface.triangles.len() as f64;
-            return Err(Rejected::new(Room::Printing, "self_intersecting", detail, share));
+            return Err(Rejected::new(Room::Printing, Reason::SelfIntersecting, detail, share));
         }
         let last = surface.triangles.len();
         Ok(Self { surface, chamber: first..last, chamber_point: deepest(chamber)?, bore })
@@ -108,7 +108,7 @@ fn roomy_base(wall: &WallSurfaces, base: &Base, inlet: &Inlet) -> Result<BaseDis
             disc.radius.max(0.0)
         );
         let lack = 1.0 - disc.radius.max(0.0) / needed;
-        return Err(Rejected::new(Room::Printing, "base_too_small", detail, lack));
+        return Err(Rejected::new(Room::Printing, Reason::BaseTooSmall, detail, lack));
     }
     Ok(disc)
 }
@@ -197,7 +197,7 @@ fn deepest(chamber: &TriangleMesh) -> Result<Vec3, Rejected> {
         Some(point) => Ok(point),
         None => {
             let detail = "the chamber is nowhere deeper than a grid tells".to_owned();
-            Err(Rejected::new(Room::Printing, "chamber_closed", detail, 1.0))
+            Err(Rejected::new(Room::Printing, Reason::ChamberClosed, detail, 1.0))
         }
     }
 }
@@ -303,7 +303,7 @@ mod tests {
         let wall = wall(&ball([0.0; 3], 8.0));
         let rejection =
             PrintedPart::new(&wall, THICKNESS, 2.4, &Inlet::Hole { bore: 12.0 }).unwrap_err();
-        assert_eq!((rejection.room, rejection.reason.as_str()), (Room::Printing, "base_too_small"));
+        assert_eq!((rejection.room, &rejection.reason), (Room::Printing, &Reason::BaseTooSmall));
         assert!((0.0..1.0).contains(&rejection.violation), "{rejection:?}");
     }
 }

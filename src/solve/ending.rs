@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{NewtonEnding, NewtonReport};
+use crate::math::Reason;
 use crate::model::system::LimitKind;
 
 /// Why a path ended.
@@ -46,6 +47,23 @@ impl Ending {
             Self::Stalled => "stalled",
             Self::BudgetSpent => "budget_spent",
             Self::Interrupted => "interrupted",
+        }
+    }
+
+    /// The reason of a rejection for it.
+    #[must_use]
+    pub fn reason(self) -> Reason {
+        match self {
+            Self::Reached => Reason::Reached,
+            Self::SnappedAndContinued => Reason::SnappedAndContinued,
+            Self::LimitPoint => Reason::LimitPoint,
+            Self::Unstable => Reason::Unstable,
+            Self::Ballooning => Reason::Ballooning,
+            Self::SelfTouch => Reason::SelfTouch,
+            Self::Inverted => Reason::Inverted,
+            Self::Stalled => Reason::Stalled,
+            Self::BudgetSpent => Reason::BudgetSpent,
+            Self::Interrupted => Reason::Interrupted,
         }
     }
 

@@ -17,7 +17,7 @@ use crate::fitness::{
     CandidateSettings, Outcome, StageSeconds, Unevaluated, evaluate_network_until,
 };
 use crate::genome::Genome;
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 use crate::solve::{Job, Stop};
 
 /// What an evaluation gives.
@@ -240,7 +240,7 @@ fn record(
         Err(panicked) => Finished {
             outcome: Outcome::Rejected(Rejected::new(
                 Room::Genome,
-                "program_defect",
+                Reason::ProgramDefect,
                 panicked.to_string(),
                 f64::MAX,
             )),

@@ -111,7 +111,7 @@ impl MeshErrorRow {
                     row.rejected = None;
                     break;
                 }
-                Outcome::Rejected(rejected) => row.rejected = Some(rejected.reason),
+                Outcome::Rejected(rejected) => row.rejected = Some(rejected.reason.to_string()),
             }
         }
         Ok(row)

@@ -127,10 +127,6 @@ impl RunFile {
             "[fitness] further_objectives names one twice; name each once: {:?}",
             further.iter().map(|objective| objective.name).collect::<Vec<_>>()
         );
-        ensure!(
-            further.is_empty() || self.solid.is_none(),
-            "[solid] sorts its front by bending and blocking alone; leave out [fitness] further_objectives, or walk single designs with certify"
-        );
         Ok(())
     }
 

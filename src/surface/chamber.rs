@@ -1,6 +1,6 @@
 //! Is it one chamber from the clamp to the tip?
 
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 
 use super::TriangleMesh;
 
@@ -28,14 +28,14 @@ impl Chamber {
     pub fn check(&self, mesh: &TriangleMesh) -> Result<(), Rejected> {
         let Some((lower, upper)) = mesh.bounding_box() else {
             let detail = "the field is negative nowhere in the box".to_owned();
-            return Err(rejected("no_surface", detail, 1.0));
+            return Err(rejected(Reason::NoSurface, detail, 1.0));
         };
         let triangles = mesh.triangles.len();
         if triangles > self.most_triangles {
             let detail =
                 format!("the surface has {triangles} triangles, at most {}", self.most_triangles);
             let excess = triangles as f64 / self.most_triangles as f64 - 1.0;
-            return Err(rejected("too_many_triangles", detail, excess));
+            return Err(rejected(Reason::TooManyTriangles, detail, excess));
         }
         check_one_solid(&mesh.component_volumes())?;
 
@@ -43,12 +43,12 @@ impl Chamber {
         let at_clamp = lower.z - self.clamp_z;
         if at_clamp > self.tolerance {
             let detail = format!("the chamber starts {at_clamp:.2} mm from the clamped face");
-            return Err(rejected("no_chamber_at_clamp", detail, at_clamp / length));
+            return Err(rejected(Reason::NoChamberAtClamp, detail, at_clamp / length));
         }
         let at_tip = self.tip_z - upper.z;
         if at_tip > self.tolerance {
             let detail = format!("the chamber ends {at_tip:.2} mm before the face of the tip");
-            return Err(rejected("not_reaching_tip", detail, at_tip / length));
+            return Err(rejected(Reason::NotReachingTip, detail, at_tip / length));
         }
         Ok(())
     }
@@ -62,17 +62,17 @@ fn check_one_solid(volumes: &[f64]) -> Result<(), Rejected> {
         let elsewhere = 1.0 - largest / solid;
         let share = 100.0 * elsewhere;
         let detail = format!("{} separate parts, {share:.2} % in the lesser ones", solids.len());
-        return Err(rejected("islands", detail, elsewhere));
+        return Err(rejected(Reason::Islands, detail, elsewhere));
     }
     if !voids.is_empty() {
         let share = -voids.iter().sum::<f64>() / solid;
         let detail = format!("{} voids of {:.2} % of the volume", voids.len(), 100.0 * share);
-        return Err(rejected("enclosed_void", detail, share));
+        return Err(rejected(Reason::EnclosedVoid, detail, share));
     }
     Ok(())
 }
 
-fn rejected(reason: &str, detail: String, violation: f64) -> Rejected {
+fn rejected(reason: Reason, detail: String, violation: f64) -> Rejected {
     Rejected::new(Room::Surface, reason, detail, violation)
 }
 
@@ -109,20 +109,20 @@ mod tests {
 
     #[test]
     fn each_failure_has_its_reason_and_size() {
-        let rejected = |field: fn(Vec3) -> f64, reason: &str, violation: f64| {
+        let rejected = |field: fn(Vec3) -> f64, reason: Reason, violation: f64| {
             let rejection = verdict(field).unwrap_err();
             assert_eq!(rejection.reason, reason);
             // The lattice of 0.9 mm loses up to 5 % of a small ball's volume.
             assert_relative_eq!(rejection.violation, violation, max_relative = 0.05);
         };
-        rejected(|_| 1.0, "no_surface", 1.0);
-        rejected(|p| tube(p).max(15.0 - p.z), "no_chamber_at_clamp", 15.0 / 20.0);
-        rejected(|p| tube(p).max(p.z - 15.0), "not_reaching_tip", 5.0 / 20.0);
-        rejected(|p| ball(p, 5.0, 4.0).min(ball(p, 14.0, 2.0)), "islands", 8.0 / 72.0);
+        rejected(|_| 1.0, Reason::NoSurface, 1.0);
+        rejected(|p| tube(p).max(15.0 - p.z), Reason::NoChamberAtClamp, 15.0 / 20.0);
+        rejected(|p| tube(p).max(p.z - 15.0), Reason::NotReachingTip, 5.0 / 20.0);
+        rejected(|p| ball(p, 5.0, 4.0).min(ball(p, 14.0, 2.0)), Reason::Islands, 8.0 / 72.0);
         let tube_volume = 16.0 * 20.0 * std::f64::consts::PI;
         let ball_volume = 36.0 * std::f64::consts::PI;
         let share = ball_volume / tube_volume;
-        rejected(|p| tube(p).max(-ball(p, 10.0, 3.0)), "enclosed_void", share);
+        rejected(|p| tube(p).max(-ball(p, 10.0, 3.0)), Reason::EnclosedVoid, share);
     }
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
             0.9,
         );
         let rejection = strict.check(&mesh).unwrap_err();
-        assert_eq!(rejection.reason, "too_many_triangles");
+        assert_eq!(rejection.reason, Reason::TooManyTriangles);
         assert!(rejection.violation > 0.0);
     }
 }

@@ -1,6 +1,6 @@
 //! Why a triangle list is not a closed surface.
 
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 
 /// The first property of a closed, outward-oriented 2-manifold that a triangle list lacks.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -66,6 +66,6 @@ pub enum MeshDefect {
 
 impl From<MeshDefect> for Rejected {
     fn from(defect: MeshDefect) -> Self {
-        Self::new(Room::Surface, "defective_surface", defect.to_string(), 1.0)
+        Self::new(Room::Surface, Reason::DefectiveSurface, defect.to_string(), 1.0)
     }
 }

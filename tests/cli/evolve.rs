@@ -136,11 +136,12 @@ fn a_run_writes_what_it_promises() {
     }
 }
 
-/// A third objective has its column and its share of the hypervolume; the first generation is that of the pair.
+/// Further objectives, one of them of a scenario of its own, have their columns and their share of the hypervolume; the first generation is
+/// that of the pair.
 #[test]
-fn a_further_objective_is_searched_for() {
+fn further_objectives_are_searched_for() {
     let workshop = Workshop::new();
-    let further = "[fitness]\nfurther_objectives = [\"wall_volume\"]\n";
+    let further = "[fitness]\nfurther_objectives = [\"blocking_back\", \"wall_volume\"]\n";
     workshop.write("run.toml", format!("{RUN}{further}"));
     let said = workshop.run(&["evolve", "run.toml", "--out", "out", "--json"]);
     assert!(said.code == 0 && said.err.contains("generation   3 of 3"), "{said:?}");
@@ -148,7 +149,8 @@ fn a_further_objective_is_searched_for() {
     let columns = workshop.read("out/front.csv");
     assert!(
         columns.starts_with(
-            "id,bending,blocking,figure_of_merit,max_force,flags,wall_volume,angle_deg,"
+            "id,bending,blocking,figure_of_merit,max_force,flags,wall_volume,blocking_back,angle_deg,\
+             bending_pressure,blocking_pressure,blocking_back_pressure\n"
         ),
         "{columns}"
     );
@@ -161,6 +163,24 @@ fn a_further_objective_is_searched_for() {
     );
     // No wall of the box weighs nothing, and none fills it.
     assert!(volumes.iter().all(|volume| (1.0..100.0).contains(volume)), "{volumes:?}");
+    let history = workshop.read("out/history.csv");
+    assert!(
+        history
+            .contains(",best_bending,best_blocking,best_wall_volume,best_blocking_back,spread\n"),
+        "{history}"
+    );
+    for line in columns.lines().skip(1) {
+        let design = line.split(',').next().unwrap();
+        let path = format!("out/front/{design}/path_blocked_back.csv");
+        assert!(workshop.path(&path).is_file(), "{path}");
+    }
+    workshop.succeed(&["report", "out"]);
+    let page = workshop.read("out/report.html");
+    for words in
+        ["blocking back", "Asked besides: a large blocking back (N/kPa), a small wall volume"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
     let pairs = finished().column("out/history.csv", "best_bending");
     assert_eq!(workshop.column("out/history.csv", "best_bending")[0], pairs[0]);
     let volume = workshop.column("out/history.csv", "hypervolume");

@@ -115,7 +115,9 @@ fn search_walks_its_front_as_solids() {
 #[test]
 fn certificates_name_both_answers() {
     let workshop = Workshop::new();
-    workshop.write("run.toml", format!("{RUN}\n[solid]\nedge = 3.0\ncoarser = 1.3\n"));
+    let further = "[fitness]\nfurther_objectives = [\"wall_volume\", \"blocking_back\"]\n";
+    let solid = "[solid]\nedge = 3.0\ncoarser = 1.3\n";
+    workshop.write("run.toml", format!("{RUN}\n{further}{solid}"));
     workshop.succeed(&["certify", "run.toml", "network.toml", "--out", "out"]);
     let sheet = workshop.json("out/network/certificate.json");
     let angle = sheet["certificate"]["angle"].as_f64().unwrap();
@@ -126,6 +128,12 @@ fn certificates_name_both_answers() {
     assert!(sheet["coarser_solid"]["angle"].as_f64().unwrap() > 0.0);
     let row = workshop.column("out/certificates.csv", "angle");
     assert!((row[0] - angle).abs() < 1e-12);
+    // Every objective is read off both, each off its own wall and its own paths.
+    let [shell, solid] = ["wall_volume_shell", "wall_volume_solid"]
+        .map(|column| workshop.column("out/certificates.csv", column)[0]);
+    assert!(shell > 0.0 && (shell / solid - 1.0).abs() < 0.1, "{shell} {solid}");
+    assert!(workshop.column("out/certificates.csv", "blocking_back_solid")[0] >= 0.0);
+    assert!(workshop.path("out/network/path_solid_blocked_back.csv").is_file());
     certificates_go_on(&workshop);
 }
 

@@ -258,10 +258,6 @@ fn planes_that_are_none_are_told() {
         "[fitness]\nfurther_objectives = [\"wall_volume\", \"wall_volume\"]\n",
         &["[fitness] further_objectives names one twice"],
     );
-    workshop.refuse_run(
-        "[fitness]\nfurther_objectives = [\"wall_volume\"]\n[solid]\nedge = 2.0\n",
-        &["[solid] sorts its front by bending and blocking alone"],
-    );
     workshop.refuse_run("[fitness]\nplane_distance = 0\n", &["[fitness] plane_distance is 0.0"]);
 }
 

@@ -1,4 +1,4 @@
-// Four curves over the pressure, both scenarios in each, and a mark where the shown frame is.
+// Four curves over the pressure, all scenarios in each, and a mark where the shown frame is.
 import { Chart, smallOptions } from "./charts.js";
 import { byId } from "./dom.js";
 import { number } from "./format.js";
@@ -12,7 +12,8 @@ const CURVES = [
   ["volume", "volume, cm³", (row) => row.volume / 1000],
   ["work", "work, mJ", (row) => row.work],
 ];
-const HUES = { bending: "front", blocked: "smith" };
+/** Lines of the scenarios, in their order: pixels drawn and left out. */
+const DASHES = [[], [6, 4], [2, 3]];
 
 export class Curves {
   #charts = [];
@@ -57,18 +58,18 @@ export class Curves {
   }
 
   #fill(chart, read) {
-    chart.data.datasets = this.#scenarios.map(({ name, rows }) => ({
+    chart.data.datasets = this.#scenarios.map(({ name, rows, plane }, k) => ({
       data: rows.map((row) => ({ x: row.pressure, y: read(row), row, scenario: name })),
       showLine: true,
-      borderColor: colour(HUES[name] ?? "muted"),
-      backgroundColor: colour(HUES[name] ?? "muted"),
+      borderColor: colour(plane ? "smith" : "front"),
+      backgroundColor: colour(plane ? "smith" : "front"),
       borderWidth: 2,
-      borderDash: name === "blocked" ? [6, 4] : [],
+      borderDash: DASHES[k % DASHES.length],
       radius: 0,
       hoverRadius: 4,
       // What is not stable is dotted.
       segment: { borderDash: ({ p1DataIndex }) => (rows[p1DataIndex].stability === "stable" ? undefined : [1, 3]) },
-      order: name === "blocked" ? 0 : 1,
+      order: plane ? 0 : 1,
     }));
     for (const name of ["x", "y"]) chart.options.scales[name].display = this.#scenarios.length > 0;
     chart.update("none");

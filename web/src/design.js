@@ -28,19 +28,13 @@ export class DesignPanel {
   #time = 0;
   #playing = false;
   #once = false;
-  #scenario;
+  #scenario = null;
+  #offered = [];
   #colour;
 
   constructor() {
     const redraw = () => this.#draw();
-    this.#scenario = choice(
-      byId("scenario"),
-      [
-        ["bending", "Bending", "B: free"],
-        ["blocked", "Blocked", "B: a plane in its way"],
-      ],
-      redraw,
-    );
+    this.#offer([{ name: "bending" }, { name: "blocked", plane: {} }]);
     this.#colour = choice(
       byId("colour"),
       [
@@ -162,8 +156,23 @@ export class DesignPanel {
     }
     this.#view?.take(shape);
     this.#curves.take(shape.scenarios);
+    this.#offer(shape.scenarios);
     for (const control of [byId("play"), byId("place")]) control.disabled = false;
     this.#draw();
+  }
+
+  /** Makes the choice one of these scenarios, of the same as before where it is among them. */
+  #offer(scenarios) {
+    const names = scenarios.map(({ name }) => name);
+    if (names.join() === this.#offered.join()) return;
+    this.#offered = names;
+    const before = this.#scenario?.value;
+    const option = ({ name, plane }) => {
+      const label = words(name);
+      return [name, label[0].toUpperCase() + label.slice(1), plane ? "B: a plane in its way" : "B: free"];
+    };
+    this.#scenario = choice(byId("scenario"), scenarios.map(option), () => this.#draw());
+    if (names.includes(before)) this.#scenario.choose(before);
   }
 
   /** Plays until the person stops it, or to the end of the path where a design is new. */
@@ -196,7 +205,7 @@ export class DesignPanel {
     const place = placeAt(scenario.clock, this.#time);
     const read = (name) => between(scenario.rows, place, (row) => row[name]);
     byId("place").value = String(Math.round(1000 * this.#time));
-    const force = scenario.name === "blocked" ? ` · ${number(read("plane_force"))} N` : "";
+    const force = scenario.plane ? ` · ${number(read("plane_force"))} N` : "";
     byId("frame").textContent = `${read("pressure").toFixed(3)} MPa · ${read("angle_deg").toFixed(1)}°${force}`;
     byId("caption").textContent = captionOf(this.#shape, scenario);
     this.#view?.show(scenario, place, this.#colour.value);

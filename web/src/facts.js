@@ -12,7 +12,7 @@ const VERDICTS = {
 export function showFacts(design) {
   byId("evaluation").replaceChildren(...(design ? evaluationOf(design) : [hint("Choose a design.")]));
   byId("certificate-body").replaceChildren(
-    ...(design ? certificateOf(design.certificate) : [hint("Choose a design.")]),
+    ...(design ? certificateOf(design) : [hint("Choose a design.")]),
   );
   const genes = design?.genome ?? [];
   byId("genome").hidden = genes.length === 0;
@@ -30,7 +30,10 @@ export function showNoFacts(line) {
 const hint = (text) => element("p", "hint", text);
 const list = (rows) => element("dl", "facts-list", ...definitions(rows));
 
-function evaluationOf({ evaluation, rejection, cpu_seconds: cpu }) {
+/** An objective by its name and its symbol. */
+const titleOf = ({ name, symbol }) => [words(name), symbol].filter(Boolean).join(" ");
+
+function evaluationOf({ evaluation, rejection, objectives, actions, cpu_seconds: cpu }) {
   const cost = cpu ? [["computed in", costOf(cpu)]] : [];
   if (!evaluation) {
     const { room, reason, detail, violation } = rejection ?? {};
@@ -50,13 +53,14 @@ function evaluationOf({ evaluation, rejection, cpu_seconds: cpu }) {
   return [
     ...(exploits.length > 0 ? [element("p", "", ...exploits)] : []),
     list([
-      ["bending F_c", quantity(e.bending, "rad/(m J)^(1/p)")],
-      ["blocking F_bf", quantity(e.blocking, "N/kPa")],
+      ...objectives.map((one) => [titleOf(one), quantity(e[one.name] ?? e.further?.[one.name], one.unit)]),
       ["figure of merit", quantity(e.figure_of_merit, "deg/(kPa m)")],
       ["largest force", quantity(e.max_force, "N")],
       ["angle", quantity(e.angle_deg, "deg")],
-      ["bending ended", `${words(e.bending_ending)} at ${quantity(e.bending_pressure, "MPa")}`],
-      ["blocked ended", `${words(e.blocking_ending)} at ${quantity(e.blocking_pressure, "MPa")}`],
+      ...actions.map((action) => [
+        `${words(action)} ended`,
+        `${words(e[`${action}_ending`])} at ${quantity(e[`${action}_pressure`], "MPa")}`,
+      ]),
       ["snaps", count(e.snaps)],
       ["creased wall", percent(e.creased_share)],
       ["unknowns", count(e.unknowns)],
@@ -72,7 +76,7 @@ function costOf(cpu) {
   return `${number(sum, 2)} CPU s (${parts.join(", ")})`;
 }
 
-function certificateOf(certificate) {
+function certificateOf({ certificate, objectives }) {
   if (!certificate) {
     return [hint("None: this design was not walked as a solid. The table [solid] of the run file asks for it.")];
   }
@@ -95,8 +99,10 @@ function certificateOf(certificate) {
       element(
         "tbody",
         "",
-        row("F_c, rad/(m J)^(1/p)", number(c.bending_shell), number(c.bending_solid), differ(c.bending_shell, c.bending_solid)),
-        row("F_bf, N/kPa", number(c.blocking_shell), number(c.blocking_solid), differ(c.blocking_shell, c.blocking_solid)),
+        ...objectives.map(({ name, symbol, unit }) => {
+          const [shell, solid] = [c[`${name}_shell`], c[`${name}_solid`]];
+          return row(`${symbol ?? words(name)}, ${unit}`, number(shell), number(solid), differ(shell, solid));
+        }),
         row("angle along the path", "", "", percent(c.angle)),
         row("force", "", "", percent(c.force)),
         row("work", "", "", percent(c.work)),

@@ -46,7 +46,7 @@ export class View {
   #part = new Group();
   #shape = null;
   #surface = null;
-  #plane = null;
+  #planes = new Map();
   #values = null;
   #turned = false;
   #due = false;
@@ -100,8 +100,9 @@ export class View {
     ghost.setAttribute("position", new BufferAttribute(shape.reference, 3));
     const veil = { color: colour("muted"), transparent: true, opacity: 0.1, depthWrite: false };
     this.#part.add(this.#surface, new Mesh(ghost, new MeshBasicMaterial(veil)), clamp(shape, veil));
-    this.#plane = shape.plane ? blockingPlane(shape, veil) : null;
-    if (this.#plane) this.#part.add(this.#plane);
+    const obstructed = shape.scenarios.filter(({ plane }) => plane);
+    this.#planes = new Map(obstructed.map((scenario) => [scenario.name, blockingPlane(shape, scenario, veil)]));
+    for (const plane of this.#planes.values()) this.#part.add(plane);
     if (!this.#turned) this.#aim();
     this.#fit();
   }
@@ -124,7 +125,7 @@ export class View {
       });
     }
     color.needsUpdate = true;
-    if (this.#plane) this.#plane.visible = scenario.name === "blocked";
+    for (const [name, plane] of this.#planes) plane.visible = scenario.name === name;
     this.#redraw();
   }
 
@@ -237,9 +238,9 @@ function clamp({ reference }, veil) {
 }
 
 /** The plane, as large as the part ever is that it blocks, upright where it can be, with its edge drawn. */
-function blockingPlane(shape, veil) {
-  const [normal, point] = [new Vector3(...shape.plane.normal).normalize(), new Vector3(...shape.plane.point)];
-  const { min, max } = boundsOf({ ...shape, scenarios: shape.scenarios.filter(({ name }) => name === "blocked") });
+function blockingPlane(shape, scenario, veil) {
+  const [normal, point] = [new Vector3(...scenario.plane.normal).normalize(), new Vector3(...scenario.plane.point)];
+  const { min, max } = boundsOf({ ...shape, scenarios: [scenario] });
   const [length, width] = [1.05 * (max.z - min.z), 1.1 * Math.max(max.x - min.x, max.y - min.y)];
   const axis = Math.abs(normal.z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
   const across = new Vector3().crossVectors(axis, normal).normalize();

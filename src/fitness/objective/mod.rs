@@ -20,6 +20,7 @@ objectives! {
     bending,
     blocking,
     wall_volume,
+    blocking_back,
 }
 
 /// What an objective is read off: a part and its walked scenarios.

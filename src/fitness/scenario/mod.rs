@@ -16,6 +16,7 @@ macro_rules! scenarios {
 scenarios! {
     free,
     blocked,
+    blocked_back,
 }
 
 /// What a part is put through: what stands in its way, and what drives it. It is held by its clamp.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::interior::interior_points;
 use super::{MesherFailure, TetMesher, TetQuality, TetSettings, check};
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 use crate::mesh::{TetMesh, WallSurfaces};
 use crate::surface::{TriangleMesh, intersecting_pairs};
 
@@ -197,7 +197,7 @@ fn rejected(attempts: &[Attempt]) -> Rejected {
         format!(", the first of {} at {:.2} mm: {failure}", attempt.mesher, attempt.edge)
     });
     let detail = format!("{} attempts failed{first}", attempts.len());
-    Rejected::new(Room::Mesh, "no_tetrahedra", detail, 1.0)
+    Rejected::new(Room::Mesh, Reason::NoTetrahedra, detail, 1.0)
 }
 
 #[cfg(test)]
@@ -318,7 +318,7 @@ mod tests {
         let (why, attempts) = rejected(&sphere_wall, &hangs);
         let detail =
             "4 attempts failed, the first of prisms at 2.00 mm: still running after 1 s".to_owned();
-        assert_eq!(why, Rejected::new(Room::Mesh, "no_tetrahedra", detail, 1.0));
+        assert_eq!(why, Rejected::new(Room::Mesh, Reason::NoTetrahedra, detail, 1.0));
         assert_eq!(attempts, 4);
 
         let unused = Prisms::after(&[]);
@@ -326,7 +326,7 @@ mod tests {
         assert!(why.detail.contains("pass through each other"), "{why}");
         assert_eq!((attempts, unused.asked.load(Ordering::Relaxed)), (4, 0));
 
-        let closed = || Rejected::new(Room::Surface, "chamber_closed", String::new(), 0.2);
+        let closed = || Rejected::new(Room::Surface, Reason::ChamberClosed, String::new(), 0.2);
         assert_eq!(rejected(&|_| Err(closed()), &unused).0, closed());
     }
 

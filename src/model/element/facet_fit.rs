@@ -7,7 +7,7 @@
 //! V(x + s n) = V_smooth          a cubic in s          dV/ds = sum_T A_T N_T . (n_0 + n_1 + n_2) / 3
 //! ```
 
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::surface::TriangleMesh;
 
 /// Newton steps; from the right side of a cubic three or four do.
@@ -43,7 +43,7 @@ pub fn volume_matched(surface: &TriangleMesh, volume: f64) -> Result<Vec<Vec3>, 
     }
     Err(Rejected::new(
         Room::Model,
-        "no_volume_match",
+        Reason::NoVolumeMatch,
         format!(
             "no offset makes facets of {:.3e} mm^3 enclose {volume:.3e} mm^3",
             surface.volume()
@@ -79,7 +79,7 @@ mod tests {
     fn impossible_volumes_are_rejected() {
         let surface = TriangleMesh::sphere(10.0, 1);
         for volume in [-1.0, f64::NAN] {
-            assert_eq!(volume_matched(&surface, volume).unwrap_err().reason, "no_volume_match");
+            assert_eq!(volume_matched(&surface, volume).unwrap_err().reason, Reason::NoVolumeMatch);
         }
     }
 }

@@ -13,7 +13,7 @@ use std::rc::Rc;
 use super::kinematics::Derivatives;
 use super::loop_patch::{LoopBasis, limit_weight};
 use super::wall_point::{TIGHTEST_FOLD, least_shifter};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{Rings, ShellMesh};
 
 /// Rounds of giving way; each takes the vertices of the elements that are still too tight.
@@ -77,7 +77,7 @@ fn interpolating(targets: &[Vec3], rings: &Rings) -> Result<Vec<Vec3>, Rejected>
     }
     Err(Rejected::new(
         Room::Model,
-        "no_interpolating_surface",
+        Reason::NoInterpolatingSurface,
         "the limit surface cannot be fitted through the vertices; valences are too irregular"
             .to_owned(),
         1.0,

@@ -17,7 +17,7 @@ use super::loop_patch::LoopBasis;
 use super::points::ascending;
 use super::wall_point::{Creases, WallPoint, bending_depth};
 use super::wall_state::{ShellState, states_of_triangles};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::Stencil;
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::Material;
@@ -63,7 +63,7 @@ impl LoopShell {
             for (share, rows) in &basis.points {
                 let forms = Derivatives::new(rows, &positions).forms();
                 let forms = forms.map_err(|Inadmissible(what)| {
-                    Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
+                    Rejected::new(Room::Model, Reason::DegenerateElement, what.to_owned(), 1.0)
                 })?;
                 let depth = bending_depth(forms, thickness);
                 let area = share * area;

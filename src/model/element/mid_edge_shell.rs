@@ -15,7 +15,7 @@ use nalgebra::Matrix3;
 use super::mid_edge::{HalfTurn, MidEdge};
 use super::wall_point::{Creases, WallPoint, bending_depth};
 use super::wall_state::{ShellState, states_of_triangles};
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::Material;
 use crate::model::system::Inadmissible;
@@ -60,7 +60,7 @@ impl MidEdgeShell {
             let at_rest = patch.map(|v| x[v as usize]);
             let counted_from = |rest| {
                 MidEdge::new(&at_rest, rest).map_err(|Inadmissible(what)| {
-                    Rejected::new(Room::Model, "degenerate_element", what.to_owned(), 1.0)
+                    Rejected::new(Room::Model, Reason::DegenerateElement, what.to_owned(), 1.0)
                 })
             };
             let mut rest = counted_from(&[HalfTurn::NONE; 3])?.half_turns();
@@ -433,7 +433,7 @@ mod tests {
             0.01,
             NEO_HOOKEAN,
         );
-        assert_eq!(rejected.unwrap_err().reason, "degenerate_element");
+        assert_eq!(rejected.unwrap_err().reason, Reason::DegenerateElement);
     }
 
     #[test]

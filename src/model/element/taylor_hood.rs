@@ -19,7 +19,7 @@
 
 use nalgebra::Matrix3;
 
-use crate::math::{Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{SolidMesh, TET_EDGES, quadratic_shapes, quadratic_slopes};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::SolidLaw;
@@ -61,7 +61,7 @@ impl TaylorHood {
                 let at = body.reference[nodes[0] as usize];
                 let detail =
                     format!("cell {s} at ({:.3}, {:.3}, {:.3}) mm is inverted", at.x, at.y, at.z);
-                return Err(Rejected::new(Room::Model, "inverted_cell", detail, 1.0));
+                return Err(Rejected::new(Room::Model, Reason::InvertedCell, detail, 1.0));
             }
         }
         Ok(body)
@@ -550,7 +550,10 @@ mod tests {
     fn inverted_cells_are_refused() {
         let mut mesh = irregular(&mut ChaCha8Rng::seed_from_u64(0));
         mesh.tetrahedra[2].swap(0, 1);
-        assert_eq!(TaylorHood::new(&mesh, law(true), 2.0).unwrap_err().reason, "inverted_cell");
+        assert_eq!(
+            TaylorHood::new(&mesh, law(true), 2.0).unwrap_err().reason,
+            Reason::InvertedCell
+        );
         for (body, s, mut x) in states().take(1) {
             x[..NODES].iter_mut().for_each(|x| x.z = -x.z);
             assert!(body.energy(s, &x).is_err());

@@ -18,7 +18,7 @@
 
 use super::jet::{Jet, VARIABLES};
 use super::kinematics::{Form, det, shifter, third_form};
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 use crate::model::material::{Material, OfInvariants};
 use crate::model::system::Inadmissible;
 
@@ -57,7 +57,7 @@ impl Creases {
         }
         Err(Rejected::new(
             Room::Model,
-            "folds_tighter_than_wall",
+            Reason::FoldsTighterThanWall,
             format!(
                 "{:.1} % of the wall folds tighter than its thickness allows, more than {:.0} %",
                 100.0 * share,

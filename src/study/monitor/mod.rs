@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use self::reader::Reader;
 use crate::evolve::IndividualId;
-use crate::fitness::Outcome;
+use crate::fitness::{Objective, Outcome, SCENARIOS};
 use crate::genome::{GENES, Genome};
 use crate::monitor::{Answer, Refusal, Source};
 use crate::scene::error::one_line;
@@ -58,11 +58,21 @@ impl Watched {
         let name = record.id.to_string();
         let certificate = solids.into_iter().find(|row| row.design == name);
         let genes = GENES.iter().zip(&record.genome);
+        let evaluation = match &record.outcome {
+            Outcome::Evaluated(evaluation) => Some(evaluation),
+            Outcome::Rejected(_) => None,
+        };
+        let objectives = evaluation.iter().flat_map(|e| e.known()).map(|(objective, _)| objective);
+        let scenarios =
+            SCENARIOS.iter().filter(|one| evaluation.is_some_and(|e| e.ending(one).is_some()));
+        let actions: Vec<&str> = scenarios.map(|scenario| scenario.action).collect();
         let details = serde_json::json!({
             "id": name,
             "genome": genes.map(|(gene, value)| Gene { name: gene.name, value: *value }).collect::<Vec<_>>(),
             "status": if matches!(record.outcome, Outcome::Evaluated(_)) { "evaluated" } else { "rejected" },
-            "evaluation": if let Outcome::Evaluated(e) = &record.outcome { Some(e) } else { None },
+            "objectives": objectives.map(Named::of).collect::<Vec<_>>(),
+            "actions": actions,
+            "evaluation": evaluation,
             "rejection": if let Outcome::Rejected(r) = &record.outcome { Some(r) } else { None },
             "cpu_seconds": record.cpu_seconds,
             "certificate": certificate,
@@ -103,6 +113,21 @@ impl Source for Watched {
         shapes.push_front((record.id, bytes.clone()));
         shapes.truncate(KEPT);
         Ok(bytes)
+    }
+}
+
+/// What an objective is called.
+#[derive(Serialize)]
+struct Named {
+    name: &'static str,
+    symbol: Option<&'static str>,
+    unit: &'static str,
+}
+
+impl Named {
+    fn of(objective: &'static Objective) -> Self {
+        let &Objective { name, symbol, unit, .. } = objective;
+        Self { name, symbol, unit }
     }
 }
 

@@ -230,11 +230,11 @@ fn throughput(records: &[Record]) -> Vec<Rank> {
 mod tests {
     use super::*;
     use crate::fitness::StageSeconds;
-    use crate::math::{Rejected, Room};
+    use crate::math::{Reason, Rejected, Room};
     use crate::study::run_folder::Place;
 
     fn record(index: usize, rank: usize, ended: f64) -> Record {
-        let rejected = Rejected::new(Room::Surface, "islands", String::new(), 1.0);
+        let rejected = Rejected::new(Room::Surface, Reason::Islands, String::new(), 1.0);
         Record {
             id: IndividualId { generation: 0, index },
             genome: Vec::new(),

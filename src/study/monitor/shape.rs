@@ -11,7 +11,7 @@ use crate::model::{PartModel, membrane_states};
 use crate::solve::{Backend, PathPoint};
 use crate::surface::TriangleMesh;
 
-/// A shell, what blocks it, and how it moves.
+/// A shell and how it moves.
 #[derive(Serialize)]
 pub(crate) struct Shape {
     /// `[3 vertex + axis]`, mm.
@@ -20,8 +20,6 @@ pub(crate) struct Shape {
     triangles: Vec<u32>,
     /// mm.
     thickness: f64,
-    /// That of the first scenario with one.
-    plane: Option<Plane>,
     scenarios: Vec<Scenario>,
 }
 
@@ -32,10 +30,21 @@ struct Plane {
     point: [f64; 3],
 }
 
+impl Plane {
+    /// The plane where `normal . x` is `offset` (mm), by its point next to the middle of a `surface`.
+    fn beside(surface: &TriangleMesh, normal: Vec3, offset: f64) -> Self {
+        let middle = mean(surface);
+        let point = middle + normal * (offset - normal.dot(&middle));
+        Self { normal: normal.into(), point: point.into() }
+    }
+}
+
 #[derive(Serialize)]
 struct Scenario {
     name: &'static str,
     ending: &'static str,
+    /// What is in the way.
+    plane: Option<Plane>,
     rows: Vec<Observation>,
     frames: Vec<Frame>,
 }
@@ -68,24 +77,20 @@ pub(crate) fn computed(
             frame(&mesh, &settings.material, point.load, &model.vertex_displacements(&point.x))
         };
         let Walked { scenario, path, rows, .. } = walked;
+        let plane = model.plane_places().first().copied().filter(|_| walked.is_obstructed());
         Scenario {
             // The page calls by its name what is in the way, and else by what the part does.
             name: if scenario.branches_off.is_some() { scenario.name } else { scenario.action },
             ending: path.ending.name(),
+            plane: plane.map(|(normal, offset)| Plane::beside(&mesh.surface, normal, offset)),
             rows: rows.clone(),
             frames: path.points.iter().map(shown).collect(),
         }
     };
-    let plane = scenarios.model().plane_places().first().map(|&(normal, offset)| {
-        let middle = mean(&mesh.surface);
-        let point = middle + normal * (offset - normal.dot(&middle));
-        Plane { normal: normal.into(), point: point.into() }
-    });
     Ok(Some(Shape {
         reference: flat(&mesh.surface.positions),
         triangles: mesh.surface.triangles.concat(),
         thickness: mesh.thickness,
-        plane,
         scenarios: scenarios.with_models().map(scenario).collect(),
     }))
 }

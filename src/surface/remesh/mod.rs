@@ -17,7 +17,7 @@ mod sharp;
 use std::collections::BTreeSet;
 
 use crate::field::ScalarField;
-use crate::math::{Rejected, Room};
+use crate::math::{Reason, Rejected, Room};
 
 use super::{HalfEdges, SurfaceQuality, TriangleMesh, intersecting_pairs};
 use passes::{Target, Workpiece};
@@ -91,7 +91,7 @@ pub fn remesh_triangles(
             longest / settings.edge,
             settings.edge
         );
-        return Err(Rejected::new(Room::Surface, "too_many_triangles", detail, share - 1.0));
+        return Err(Rejected::new(Room::Surface, Reason::TooManyTriangles, detail, share - 1.0));
     }
     let edges =
         SharpEdges::of(mesh, &HalfEdges::try_from(mesh)?, sharp, SHORTEST_LINE * settings.edge);
@@ -110,7 +110,7 @@ pub fn remesh_triangles(
             shares[0] * MOST_DEPARTURE * settings.edge,
             shares[1] * MOST_LOSS * settings.edge
         );
-        return Err(Rejected::new(Room::Surface, "unresolved_surface", detail, share - 1.0));
+        return Err(Rejected::new(Room::Surface, Reason::UnresolvedSurface, detail, share - 1.0));
     }
     Ok((remeshed, sharp))
 }
@@ -164,7 +164,7 @@ fn remeshed(
         let detail =
             format!("edges of {edge} mm need {needed:.0} triangles, {MOST_TRIANGLES} at most");
         let excess = needed / MOST_TRIANGLES - 1.0;
-        return Err(Rejected::new(Room::Surface, "too_many_triangles", detail, excess));
+        return Err(Rejected::new(Room::Surface, Reason::TooManyTriangles, detail, excess));
     }
     let mut work = Workpiece::new(HalfEdges::try_from(mesh)?, &mesh.positions, target, sharp, edge);
     if matches!(target, Target::Triangles(_)) {
@@ -241,7 +241,7 @@ fn check_resolved(
             quality.dihedral_max,
             100.0 * volume_change,
         );
-        return Err(Rejected::new(Room::Surface, "unresolved_surface", detail, violation));
+        return Err(Rejected::new(Room::Surface, Reason::UnresolvedSurface, detail, violation));
     }
     Ok(())
 }
@@ -251,7 +251,7 @@ fn check_apart(mesh: &TriangleMesh) -> Result<(), Rejected> {
     if pairs > 0 {
         let detail = format!("{pairs} pairs of triangles pass through each other");
         let share = pairs as f64 / mesh.triangles.len() as f64;
-        return Err(Rejected::new(Room::Surface, "self_intersecting", detail, share));
+        return Err(Rejected::new(Room::Surface, Reason::SelfIntersecting, detail, share));
     }
     Ok(())
 }
@@ -390,7 +390,7 @@ mod tests {
                     assert!(quality.radius_ratio_min >= 0.3, "{quality:?}");
                 }
                 Err(rejection) => {
-                    assert_eq!(rejection.reason, "unresolved_surface");
+                    assert_eq!(rejection.reason, Reason::UnresolvedSurface);
                     assert!(rejection.violation > 0.0 && waves > 3.0, "{rejection}");
                 }
             }
@@ -446,17 +446,17 @@ mod tests {
         };
         assert!(neck(2.0).is_ok());
         let rejection = neck(0.5).unwrap_err();
-        assert_eq!(rejection.reason, "unresolved_surface", "{rejection}");
+        assert_eq!(rejection.reason, Reason::UnresolvedSurface, "{rejection}");
     }
 
     #[test]
     fn what_cannot_be_remeshed_is_refused_at_once() {
         let mut ball = rough(&sphere(10.0), 12.0, 2.0);
         let rejection = remesh(&ball, None, &settings(1e-3)).unwrap_err();
-        assert_eq!(rejection.reason, "too_many_triangles");
+        assert_eq!(rejection.reason, Reason::TooManyTriangles);
         ball.triangles.pop();
         let rejection = remesh(&ball, None, &settings(2.0)).unwrap_err();
-        assert_eq!(rejection.reason, "defective_surface");
+        assert_eq!(rejection.reason, Reason::DefectiveSurface);
         assert!(rejection.detail.contains("3 edges have only one triangle"), "{rejection}");
     }
 
@@ -471,7 +471,7 @@ mod tests {
             triangles: ball.triangles.iter().copied().chain(copies).collect(),
         };
         let rejection = remesh(&pair, None, &settings(1.5)).unwrap_err();
-        assert_eq!(rejection.reason, "self_intersecting");
+        assert_eq!(rejection.reason, Reason::SelfIntersecting);
         assert!(rejection.violation > 0.0);
     }
 }
