@@ -25,7 +25,7 @@ pub enum LawWithCard {
 /// A law of ours that CalculiX and FEBio do not have, by its name in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "[material] law = \"{0}\" cannot be written into a deck: CalculiX and FEBio have no such law; they have neo_hookean, mooney_rivlin, yeoh and ogden"
+    "[material] law = \"{0}\" cannot be written into a deck: CalculiX and FEBio have no such law; they have neo-hookean, mooney-rivlin, yeoh and ogden"
 )]
 pub struct NoCard(pub &'static str);
 

@@ -6,6 +6,7 @@ pub(crate) mod actuator;
 pub(crate) mod checks;
 pub(crate) mod deck;
 pub(crate) mod error;
+pub(crate) mod gravity;
 pub(crate) mod keys;
 pub(crate) mod material;
 pub(crate) mod mesh_section;

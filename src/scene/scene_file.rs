@@ -8,6 +8,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::checks::{check_distance, check_normal, check_shell, check_solver};
+use super::gravity::GravitySection;
 use super::keys::{annotated, sections};
 use super::material::{MaterialSection, positive, within};
 use super::mesh_section::{Edge, MeshSection};
@@ -46,7 +47,7 @@ pub(crate) struct SceneFile {
     pub load: LoadSection,
     #[serde(default = "default_solver")]
     pub solver: SolverSection,
-    /// Keeps the folds of the wall apart; without it they pass through each other unseen.
+    /// Keeps the folds of the wall apart; without it a touch ends the path, unless `[load] may_overlap` lets them pass unseen.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_contact: Option<SelfContactSection>,
     /// The weight of the wall, which acts whole from the start, whatever the load.
@@ -175,30 +176,6 @@ impl Default for SelfContactSection {
     }
 }
 
-/// The weight of the wall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct GravitySection {
-    /// Mass of the wall per volume, g/cm^3: of silicones and printed elastomers about 1.1.
-    pub density: f64,
-    /// Acceleration, m/s^2; z is the long axis of a closed part.
-    #[serde(default = "downwards")]
-    pub acceleration: [f64; 3],
-}
-
-/// m/s^2.
-fn downwards() -> [f64; 3] {
-    [0.0, 0.0, -9.81]
-}
-
-impl GravitySection {
-    /// The weight per volume, N/mm^3.
-    fn body_force(&self) -> Vec3 {
-        // 1 g/cm^3 is 1e-6 kg/mm^3, and 1 m/s^2 is 1 N/kg.
-        1e-6 * self.density * Vec3::from(self.acceleration)
-    }
-}
-
 /// A rigid plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -272,12 +249,7 @@ impl SceneFile {
                 positive("[self_contact] pressure", pressure)?;
             }
         }
-        if let Some(GravitySection { density, acceleration }) = self.gravity {
-            within("[gravity] density", density, 1e-3, 30.0)?;
-            for component in acceleration {
-                within("[gravity] acceleration", component, -1e4, 1e4)?;
-            }
-        }
+        self.gravity.map_or(Ok(()), GravitySection::check)?;
         if let Some(section) = &self.solid {
             section.check()?;
             ensure!(
@@ -321,7 +293,7 @@ impl SceneFile {
             planes: self.plane_settings(pressure)?,
             folds: Some(folds),
             stretch_bound: self.load_settings().stretch_bound,
-            body_force: self.gravity.map_or(Vec3::zeros(), |gravity| gravity.body_force()),
+            body_force: self.gravity.map_or(Vec3::zeros(), GravitySection::body_force),
         })
     }
 

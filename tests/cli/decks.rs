@@ -392,6 +392,8 @@ fn what_cannot_be_written_is_told_in_one_line() {
     refuse(&given.replace(neo_hookean, plate), &[], &["law of shells alone"]);
     let plane = format!("{given}\n[[plane]]\nnormal = [1.0, 0.0, 0.0]\ndistance = 5.0\n");
     refuse(&plane, &[], &["[[plane]]", "take it away"]);
+    let heavy = format!("{given}\n[gravity]\ndensity = 1.1\n");
+    refuse(&heavy, &[], &["[gravity]", "take it away"]);
     let sphere = "[part.sphere]\nradius = 10.0\nsubdivisions = 2\n";
     refuse(sphere, &[], &["[part] has no base"]);
     let terms = "law = \"ogden\"\nterms = [{ mu = 1, alpha = 1 }, { mu = 1, alpha = 2 }, { mu = 1, alpha = 3 }, { mu = 1, alpha = 4 }]";

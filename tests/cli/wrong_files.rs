@@ -57,6 +57,7 @@ fn faults_of_form_are_told_with_their_line() {
         ("[part]\n[[plane]]\nnormal = [1, 0, 0]\n", "scene.toml:2: missing field `distance`"),
         ("[part]\n[plane]\nnormal = [1, 0, 0]\ndistance = 1\n", "[[name]] with two brackets"),
         ("[part]\n[box]\nmin = [0, 0, 0]\n", "scene.toml:2: missing field `max`"),
+        ("[part]\n[gravity]\n", "scene.toml:2: missing field `density`"),
     ] {
         workshop.refuse_scene(scene, &[words]);
     }
@@ -65,6 +66,15 @@ fn faults_of_form_are_told_with_their_line() {
 #[test]
 fn values_that_cannot_be_are_told_with_what_could() {
     let workshop = Workshop::new();
+    for (gravity, words) in [
+        ("density = 1100", "[gravity] density is 1100.0, but it must lie between 0.001 and 30"),
+        (
+            "density = 1.1\nacceleration = [0, 0, nan]",
+            "[gravity] acceleration is NaN, but it must lie",
+        ),
+    ] {
+        workshop.refuse_scene(&format!("{PART}[gravity]\n{gravity}\n"), &["scene.toml: ", words]);
+    }
     for (section, key) in
         [("wall", "thickness"), ("wall", "clamp_height"), ("mesh", "edge"), ("load", "pressure")]
     {

@@ -189,6 +189,7 @@ pub(crate) fn of_scene(
     let refused = [
         ("[[plane]]", !scene.planes.is_empty()),
         ("[self_contact]", scene.self_contact.is_some()),
+        ("[gravity]", scene.gravity.is_some()),
         ("[load] volume_ratio", scene.load.volume_ratio.is_some()),
         ("[load] volume_mm3", scene.load.volume_mm3.is_some()),
         ("[load] gas", scene.load.gas.is_some()),
