@@ -74,7 +74,7 @@ impl BoxTree {
     #[inline]
     pub fn children(&self, node: Node) -> Option<[Node; 2]> {
         let Node { index, first, end } = node;
-        let middle = first.midpoint(end);
+        let middle = first + (end - first) / 2;
         (end - first > self.leaf_size).then_some([
             Node { index: 2 * index + 1, first, end: middle },
             Node { index: 2 * index + 2, first: middle, end },

@@ -2,7 +2,7 @@
 //!
 //! Source: Ericson (2005), Real-time collision detection, section 5.1.5.
 
-use crate::math::{Box3, BoxTree, Vec3};
+use crate::math::{Box3, BoxTree, Node, Vec3};
 
 /// Triangles, or segments as triangles with two equal corners, sorted by where they are.
 #[derive(Clone, Debug)]
@@ -88,9 +88,17 @@ impl FacetTree {
                     }
                 }
                 Some(children) => {
-                    let [a, b] = children
-                        .map(|child| (child, self.boxes[child.index()].squared_distance(point)));
-                    open.extend(if a.1 <= b.1 { [b, a] } else { [a, b] });
+                    let away = |child: Node| self.boxes[child.index()].squared_distance(point);
+                    let [a, b] =
+                        [(children[0], away(children[0])), (children[1], away(children[1]))];
+                    // The nearer one is looked at first.
+                    let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+                    if far.1 < best.squared_distance {
+                        open.push(far);
+                    }
+                    if near.1 < best.squared_distance {
+                        open.push(near);
+                    }
                 }
             }
         }
