@@ -1,4 +1,9 @@
-//! A search as a run file says it, and what its folder holds: how it goes on, ends, is certified, compared and shown.
+//! What is a search on disk, and how does it go?
+//!
+//! A program reads a [`RunFile`], and [`search`] runs it in a folder until it is done or its [`Limits`] end it; [`Found`] has the front,
+//! which [`front()`] reads of a folder. An
+//! [`Observer`] is told of each generation; [`scene::Unobserved`](crate::scene::Unobserved) is one that ignores them. The commands read
+//! the folder again: they certify, compare, pick, draw, film, export and show what is in it.
 
 pub(crate) mod certify;
 pub(crate) mod comparison;
@@ -7,6 +12,7 @@ pub(crate) mod design_pictures;
 pub(crate) mod evaluations;
 pub(crate) mod export;
 pub(crate) mod film;
+pub(crate) mod front;
 pub(crate) mod meaning;
 pub(crate) mod mesh_error;
 #[cfg(feature = "monitor")]
@@ -21,6 +27,7 @@ pub(crate) mod run_folder;
 mod search;
 pub(crate) mod solid_front;
 
+pub use self::front::front;
 pub use self::observer::{Limits, Observer, Unlimited};
 pub use self::run_file::RunFile;
 pub use self::run_folder::HistoryRow;
