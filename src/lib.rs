@@ -1,12 +1,14 @@
 //! Pneumatic soft actuators designed by evolution.
 //!
-//! A network of a few nodes becomes a field, the field a closed surface, the surface a shell, the shell an energy, the energy an
-//! equilibrium path under pressure, the path objectives; NSGA-II keeps the networks that do well.
+//! A network of a few nodes becomes a field, the field a closed surface, the surface a shell, the
+//! shell an energy, the energy an equilibrium path under pressure, the path objectives; NSGA-II
+//! keeps the networks that do well.
 //!
 //! # One part under load
 //!
-//! A scene file says what a part is, what its wall is made of, and what loads it; [`scene::Scene`] reads and walks it. A thin sphere of
-//! neo-Hookean rubber of radius R and wall h carries, at the stretch l, the pressure `p = 2 mu h / R (1 / l - 1 / l^7)`:
+//! A scene file says what a part is, what its wall is made of, and what loads it; [`scene::Scene`]
+//! reads and walks it. A thin sphere of neo-Hookean rubber of radius R and wall h carries, at the
+//! stretch l, the pressure `p = 2 mu h / R (1 / l - 1 / l^7)`:
 //!
 //! ```
 //! use std::path::Path;
@@ -42,8 +44,9 @@
 //!
 //! # A network and what it is worth
 //!
-//! A run file says how a search goes and what decides the outcome of each candidate. [`fitness::evaluate_network`] evaluates one
-//! network as a search does, and the rooms below it are its steps.
+//! A run file says how a search goes and what decides the outcome of each candidate.
+//! [`fitness::evaluate_network`] evaluates one network as a search does, and the rooms below it are
+//! its steps.
 //!
 //! ```
 //! use std::path::Path;
@@ -73,17 +76,20 @@
 //! # anyhow::Ok(())
 //! ```
 //!
-//! `examples/front.rs` runs a whole search: [`study::search`] evaluates generation after generation in a folder, and returns the front.
+//! `examples/front.rs` runs a whole search: [`study::search`] evaluates generation after generation
+//! in a folder, and returns the front.
 //!
 //! # The rooms
 //!
 //! Data moves in one direction, and a room names only rooms to its left:
 //! `genome -> field -> surface -> mesh -> model -> solve -> fitness -> batch -> evolve -> printing -> report -> scene -> study`.
-//! `verify` names `scene`, and `cli` all. `ARCHITECTURE.md` says what each room answers and what it must never know.
+//! `verify` names `scene`, and `cli` all. `ARCHITECTURE.md` says what each room answers and what it
+//! must never know.
 //!
 //! # Features
 //!
-//! Without default features the crate is a library up to [`scene`]: no figures, no command line, no PETSc.
+//! Without default features the crate is a library up to [`scene`]: no figures, no command line, no
+//! PETSc.
 //!
 //! | feature | adds |
 //! |---|---|

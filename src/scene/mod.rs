@@ -1,8 +1,9 @@
 //! What is one part under load, and how is its path walked?
 //!
-//! A program reads a [`Scene`] and walks it: a [`Walk`] has the model, the path, and what is read off each of its states. An [`Observer`]
-//! is told of warnings and of the states as they are found; [`Unobserved`] is one that ignores them. The commands write a folder of what
-//! was walked, and decks for other programs.
+//! A program reads a [`Scene`] and walks it: a [`Walk`] has the model, the path, and what is read
+//! off each of its states. An [`Observer`] is told of warnings and of the states as they are found;
+//! [`Unobserved`] is one that ignores them. The commands write a folder of what was walked, and
+//! decks for other programs.
 
 pub(crate) mod actuator;
 pub(crate) mod checks;

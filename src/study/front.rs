@@ -32,7 +32,8 @@ impl LastGeneration {
     }
 }
 
-/// The front of the run in the folder `path`, as far as its generations are finished, with what was recorded of each design; no order.
+/// The front of the run in the folder `path`, as far as its generations are finished, with what was
+/// recorded of each design; no order.
 ///
 /// # Errors
 /// One line when that is not the folder of a run, is damaged, or has no finished generation yet.

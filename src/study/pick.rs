@@ -252,10 +252,12 @@ struct Among {
     all: bool,
 }
 
-/// Picks the design of the run in the folder `run` that the `wish` wants: of its front, or of `all` that were evaluated.
+/// Picks the design of the run in the folder `run` that the `wish` wants: of its front, or of `all`
+/// that were evaluated.
 ///
 /// # Errors
-/// When the folder is refused, the run did not ask for what is wished, or no design meets all bounds; the nearest are named.
+/// When the folder is refused, the run did not ask for what is wished, or no design meets all
+/// bounds; the nearest are named.
 pub(crate) fn pick(run: &Path, wish: &Wish, all: bool) -> anyhow::Result<Picked> {
     let LastGeneration { folder, search, mut records } = LastGeneration::read(run)?;
     if !all {

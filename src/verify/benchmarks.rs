@@ -70,7 +70,8 @@ struct Row {
     ending: &'static str,
 }
 
-/// Runs the selected cases, tells the lines of their table and writes their files into the new folder `out`.
+/// Runs the selected cases, tells the lines of their table and writes their files into the new
+/// folder `out`.
 ///
 /// # Errors
 /// When a case misses what is accepted of it.
