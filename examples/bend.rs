@@ -1,8 +1,10 @@
-//! The published actuator of a small network is bent: how its tip moves, beside a solid of quadratic tetrahedra.
+//! The published actuator of a small network is bent: how its tip moves, beside a solid of
+//! quadratic tetrahedra.
 //!
 //! `cargo run --release --example bend`
 //!
-//! The reference is CalculiX' answer of `tests/benchmarks/basic_bend.rs`, around our own mid-surface.
+//! The reference is CalculiX' answer of `tests/benchmarks/basic_bend.rs`, around our own
+//! mid-surface.
 
 #![allow(clippy::print_stdout, reason = "it is a program that prints a line")]
 

@@ -1,4 +1,5 @@
-//! A strip is bent by a force at its end: the deflection of the linear theory, beside that of a beam.
+//! A strip is bent by a force at its end: the deflection of the linear theory, beside that of a
+//! beam.
 //!
 //! `cargo run --example cantilever`
 //!

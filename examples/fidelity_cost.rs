@@ -4,9 +4,11 @@
 //! cargo run --release --example fidelity_cost -- FOLDER [basic_bend | pneunet]
 //! ```
 //!
-//! Every run is the walk of a scene on one thread; FOLDER receives the scene files, and a table and a figure for each part. The error is the distance between the displacements of the tip, over the length of the finest
-//! solid's. That solid, and the others, stand around one mid-surface with edges of 1.5 mm; shells stand on their own. What remains
-//! of a shell's error on fine meshes is the price of its theory. Half an hour.
+//! Every run is the walk of a scene on one thread; FOLDER receives the scene files, and a table and
+//! a figure for each part. The error is the distance between the displacements of the tip, over the
+//! length of the finest solid's. That solid, and the others, stand around one mid-surface with
+//! edges of 1.5 mm; shells stand on their own. What remains of a shell's error on fine meshes is
+//! the price of its theory. Half an hour.
 
 #![allow(clippy::print_stdout, reason = "it is a program that prints a table")]
 

@@ -1,4 +1,5 @@
-//! A sphere of rubber is inflated: its stretch at each pressure, beside the closed form of a thin balloon.
+//! A sphere of rubber is inflated: its stretch at each pressure, beside the closed form of a thin
+//! balloon.
 //!
 //! `cargo run --example inflate`
 //!

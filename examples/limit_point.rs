@@ -2,7 +2,8 @@
 //!
 //! `cargo run --example limit_point`
 //!
-//! The largest pressure of a thin neo-Hookean balloon is `12 / 7^(7/6) mu h / R`, at the stretch `7^(1/6)`.
+//! The largest pressure of a thin neo-Hookean balloon is `12 / 7^(7/6) mu h / R`, at the stretch
+//! `7^(1/6)`.
 
 #![allow(clippy::print_stdout, reason = "it is a program that prints a table")]
 
@@ -31,7 +32,8 @@ volume_ratio = 5.0
 steps = 12
 "#;
 
-/// The pressure at which stability under a given pressure is lost, MPa: walked, and of the closed form.
+/// The pressure at which stability under a given pressure is lost, MPa: walked, and of the closed
+/// form.
 pub(crate) fn limit_pressures() -> anyhow::Result<[f64; 2]> {
     let scene = Scene::parse(SCENE, Path::new("balloon.toml"), Some(Backend::Native))?;
     let path = scene.walk(Stop::NEVER, &Unobserved)?.path;

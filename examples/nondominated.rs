@@ -2,7 +2,8 @@
 //!
 //! `cargo run --example nondominated`
 //!
-//! ZDT1 (Zitzler, Deb and Thiele 2000), whose front is `f_2 = 1 - sqrt(f_1)`: it dominates 2/3 of what the point (1, 1) is the corner of.
+//! ZDT1 (Zitzler, Deb and Thiele 2000), whose front is `f_2 = 1 - sqrt(f_1)`: it dominates 2/3 of
+//! what the point (1, 1) is the corner of.
 
 #![allow(clippy::print_stdout, reason = "it is a program that prints a line")]
 

@@ -1,12 +1,14 @@
 //! Pneumatic soft actuators designed by evolution.
 //!
-//! A network of a few nodes becomes a field, the field a closed surface, the surface a shell, the shell an energy, the energy an
-//! equilibrium path under pressure, the path objectives; NSGA-II keeps the networks that do well.
+//! A network of a few nodes becomes a field, the field a closed surface, the surface a shell, the
+//! shell an energy, the energy an equilibrium path under pressure, the path objectives; NSGA-II
+//! keeps the networks that do well.
 //!
 //! # One part under load
 //!
-//! A scene file says what a part is, what its wall is made of, and what loads it; [`scene::Scene`] reads and walks it. A thin sphere of
-//! neo-Hookean rubber of radius R and wall h carries, at the stretch l, the pressure `p = 2 mu h / R (1 / l - 1 / l^7)`:
+//! A scene file says what a part is, what its wall is made of, and what loads it; [`scene::Scene`]
+//! reads and walks it. A thin sphere of neo-Hookean rubber of radius R and wall h carries, at the
+//! stretch l, the pressure `p = 2 mu h / R (1 / l - 1 / l^7)`:
 //!
 //! ```
 //! use std::path::Path;
@@ -42,8 +44,9 @@
 //!
 //! # A network and what it is worth
 //!
-//! A run file says how a search goes and what decides the outcome of each candidate. [`study::search`] runs it in a folder, and returns
-//! the front; [`fitness::evaluate_network`] evaluates one network as the search does, and the rooms below it are its steps.
+//! A run file says how a search goes and what decides the outcome of each candidate.
+//! [`fitness::evaluate_network`] evaluates one network as a search does, and the rooms below it are
+//! its steps.
 //!
 //! ```
 //! use std::path::Path;
@@ -52,46 +55,53 @@
 //! use pneumorph::fitness::{Outcome, evaluate_network};
 //! use pneumorph::genome::Network;
 //! use pneumorph::mesh::shell_of_field;
-//! use pneumorph::scene::Unobserved;
-//! use pneumorph::study::{Manner, RunFile, Searched, Unlimited, search};
+//! use pneumorph::study::RunFile;
 //!
-//! let text = "
-//!     [evolution]
-//!     population = 8
-//!     generations = 2
-//!     [mesh]
-//!     edge = 5.0
-//! ";
-//! let run = RunFile::parse(text, Path::new("run.toml"), None)?;
+//! let run = RunFile::parse("[mesh]\nedge = 5.0", Path::new("run.toml"), None)?;
 //! let settings = run.candidate_settings()?;
 //! let network: Network = std::fs::read_to_string("examples/networks/basic_bend.toml")?.parse()?;
 //!
 //! // From the network to a shell: the chamber is where the field is below 0.
-//! let (size, rim) = (settings.design_box, settings.mesh.rim_radius);
-//! let field = CappedField::new(CompiledNetwork::new(&network), size, rim)?;
-//! let shell = shell_of_field(&field, &settings.mesh, &settings.wall)?;
+//! let (design_box, rim) = (settings.design_box, settings.mesh.rim_radius);
+//! let field = CappedField::new(CompiledNetwork::new(&network), design_box, rim)?;
+//! let shell = shell_of_field(&field, &settings.mesh, &settings.wall)
+//!     .map_err(|rejected| anyhow::anyhow!("{rejected}"))?;
 //! assert!(shell.surface.volume() > 0.0);
 //!
-//! // From the network to its objectives: free, the part bends; against a plane, it pushes.
+//! // From the network to its objectives: the free part bends, and against a plane it pushes.
 //! let Outcome::Evaluated(evaluation) = evaluate_network(&network, &settings)?.outcome else {
-//!     panic!("the network makes a part")
+//!     anyhow::bail!("the network makes no part")
 //! };
 //! assert!(evaluation.objectives["bending"] > 0.0 && evaluation.objectives["blocking"] > 0.0);
-//!
-//! // All of it, for every candidate of a search, takes a minute.
-//! let find = || match search(&run, Path::new("run"), &Manner::default(), &Unlimited, &Unobserved)? {
-//!     Searched::Finished(found) => Ok(found.front),
-//!     Searched::Stopped | Searched::Served => anyhow::bail!("there are no limits, and one process"),
-//! };
-//! # let _ = &find;
 //! # anyhow::Ok(())
 //! ```
+//!
+//! `examples/front.rs` runs a whole search: [`study::search`] evaluates generation after generation
+//! in a folder, and returns the front.
 //!
 //! # The rooms
 //!
 //! Data moves in one direction, and a room names only rooms to its left:
 //! `genome -> field -> surface -> mesh -> model -> solve -> fitness -> batch -> evolve -> printing -> report -> scene -> study`.
-//! `verify` names `scene`, and `cli` all. `ARCHITECTURE.md` says what each room answers and what it must never know.
+//! `verify` names `scene`, and `cli` all. `ARCHITECTURE.md` says what each room answers and what it
+//! must never know.
+//!
+//! # Features
+//!
+//! Without default features the crate is a library up to [`scene`]: no figures, no command line, no
+//! PETSc.
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `report` | [`report`], and the rooms that draw figures: [`study`], [`verify`] |
+//! | `cli` | the program `pneumorph`, with `report` |
+//! | `monitor` | the web page of a run, with `report` |
+//! | `petsc` | PETSc's solvers beside our own |
+
+#![cfg_attr(
+    not(feature = "cli"),
+    allow(dead_code, reason = "what only commands call is looked at where they are built")
+)]
 
 pub mod math;
 
@@ -117,6 +127,7 @@ pub mod printing;
 
 pub mod io;
 
+#[cfg(feature = "report")]
 pub mod report;
 
 #[cfg(feature = "monitor")]
@@ -124,8 +135,11 @@ pub mod monitor;
 
 pub mod scene;
 
+#[cfg(feature = "report")]
 pub mod study;
 
+#[cfg(feature = "report")]
 pub mod verify;
 
+#[cfg(feature = "cli")]
 pub mod cli;

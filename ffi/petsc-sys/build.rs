@@ -62,7 +62,7 @@ fn probe(candidates: &[String], what: &str) -> Result<pkg_config::Library, Strin
          Debian, Ubuntu: apt install libpetsc-real-dev libopenmpi-dev libclang-dev pkg-config \
          (in pneumorph's repository: scripts/setup).\n\
          A PETSc of your own: set PETSC_DIR and PETSC_ARCH.\n\
-         pneumorph without PETSc: build with --no-default-features.",
+         pneumorph without PETSc: build with --no-default-features --features cli.",
         reasons.join("; ")
     ))
 }

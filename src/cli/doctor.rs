@@ -126,7 +126,7 @@ fn has_page() -> bool {
 /// PETSc, and the BLAS under it, by the libraries that the system has loaded for this process.
 fn petsc(libraries: &[String]) -> Vec<Finding> {
     if !cfg!(feature = "petsc") {
-        let advice = "build it without --no-default-features for PETSc, mpirun and large solids";
+        let advice = "build it with the feature petsc for PETSc, mpirun and large solids";
         return vec![Finding::new("PETSc", false, "not built in".to_owned(), advice)];
     }
     let loaded = |name: &str| libraries.iter().find(|path| path.contains(name)).cloned();

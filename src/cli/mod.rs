@@ -40,9 +40,7 @@ use crate::scene::{End, scene_file};
 use crate::solve::{Backend, Job};
 use crate::study::{Manner, certify, comparison, report, run_file};
 use crate::verify::benchmarks::{self, Selection};
-use crate::verify::cases::{CURVES, SHELLS};
-use crate::verify::files::SceneFolder;
-use crate::verify::stability;
+use crate::verify::{CURVES, SHELLS, SceneFolder, stability};
 
 /// Designs pneumatic soft actuators by evolution.
 #[derive(Debug, Parser)]

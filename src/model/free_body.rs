@@ -4,8 +4,9 @@ use super::Support;
 use crate::surface::TriangleMesh;
 
 impl Support {
-    /// Holds six unknowns of a free body with this `surface` (at least one vertex), against its rigid motions alone: 3 of the highest
-    /// vertex, 2 of the lowest, 1 of that farthest along x. A self-equilibrated load meets no reaction there.
+    /// Holds six unknowns of a free body with this `surface` (at least one vertex), against its
+    /// rigid motions alone: 3 of the highest vertex, 2 of the lowest, 1 of that farthest along x. A
+    /// self-equilibrated load meets no reaction there.
     ///
     /// # Panics
     /// When the surface has no vertices.

@@ -1,4 +1,5 @@
-//! A shell that is clamped at its base and has a tip, as a shell or as the solid around it, ready to be walked.
+//! A shell that is clamped at its base and has a tip, as a shell or as the solid around it, ready
+//! to be walked.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -64,7 +65,8 @@ impl Actuator {
         Ok(Self { mesh, surface, model, solid })
     }
 
-    /// Its path until `stop` wants the end, and what that took; no points only where it was interrupted at rest.
+    /// Its path until `stop` wants the end, and what that took; no points only where it was
+    /// interrupted at rest.
     ///
     /// # Errors
     /// When the part is not stable at rest or its path stalls there, or a solver fails.
@@ -92,7 +94,8 @@ impl Actuator {
     }
 }
 
-/// What is wrong with a clamp up to the height `clamp_top` of a part whose tip begins at the height `tip`, mm.
+/// What is wrong with a clamp up to the height `clamp_top` of a part whose tip begins at the height
+/// `tip`, mm.
 pub(crate) fn holds_the_tip(clamp_top: f64, tip: f64) -> String {
     format!(
         "the clamp holds the tip too: it holds all below z = {clamp_top:.3} mm, and the tip begins at z = {tip:.3} mm; lower [wall] clamp_height or tip_fraction, unless the file is not in mm"

@@ -87,7 +87,8 @@ fn check_rim(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Checks the distance of a plane, mm: the barrier begins half way to it, or a tenth of the wall's thickness before it.
+/// Checks the distance of a plane, mm: the barrier begins half way to it, or a tenth of the wall's
+/// thickness before it.
 pub(crate) fn check_distance(what: &str, distance: f64) -> anyhow::Result<()> {
     positive(what, distance)?;
     within(what, distance, LEAST_DISTANCE, 1e12)?;

@@ -1,6 +1,9 @@
-//! What one part under load is, as a scene file says it, and the walk along its path.
+//! What is one part under load, and how is its path walked?
 //!
-//! A [`SceneFile`](scene_file::SceneFile) is read and checked, its part is made, loaded and walked, and the results are written.
+//! A program reads a [`Scene`] and walks it: a [`Walk`] has the model, the path, and what is read
+//! off each of its states. An [`Observer`] is told of warnings and of the states as they are found;
+//! [`Unobserved`] is one that ignores them. The commands write a folder of what was walked, and
+//! decks for other programs.
 
 pub(crate) mod actuator;
 pub(crate) mod checks;

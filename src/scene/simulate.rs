@@ -42,7 +42,8 @@ pub(crate) struct Request<'a> {
 /// What has become of a scene.
 pub(crate) struct Simulated {
     pub end: End,
-    /// What was written; none by processes but the first, and where the path was interrupted at rest.
+    /// What was written; none by processes but the first, and where the path was interrupted at
+    /// rest.
     pub summary: Option<Summary>,
 }
 
@@ -103,7 +104,8 @@ pub(crate) struct ActuatorSummary {
 /// Walks the scene of `request` until `stop` wants the end; the first process writes its results.
 ///
 /// # Errors
-/// When the scene, a file that it names or its folder is refused, its part cannot be made, or a solver fails.
+/// When the scene, a file that it names or its folder is refused, its part cannot be made, or a
+/// solver fails.
 pub(crate) fn simulate(
     request: &Request<'_>,
     stop: Stop<'_>,

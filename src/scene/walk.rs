@@ -18,7 +18,8 @@ use crate::math::cpu_seconds;
 use crate::model::PartModel;
 use crate::solve::{self, Backend, Stop};
 
-/// A scene file, read and checked: one part, its wall, its load, what holds it, and the planes that it may touch.
+/// A scene file, read and checked: one part, its wall, its load, what holds it, and the planes that
+/// it may touch.
 #[derive(Clone, Debug)]
 pub struct Scene {
     file: SceneFile,
@@ -28,10 +29,11 @@ pub struct Scene {
 
 /// A scene whose path was walked.
 pub struct Walk {
-    /// The part. It reads displacements, forces and stresses off the unknowns of a point of the path.
+    /// The part. It reads displacements, forces and stresses off the unknowns of a point of the
+    /// path.
     pub model: PartModel,
-    /// The equilibria in the order in which they were reached, and how the path ended; no points if it was interrupted at rest, or if
-    /// the part is not stable there.
+    /// The equilibria in the order in which they were reached, and how the path ended; no points if
+    /// it was interrupted at rest, or if the part is not stable there.
     pub path: solve::Path,
     /// A row for each point of the path, if the part has a clamp and a tip; else none.
     pub observations: Vec<Observation>,

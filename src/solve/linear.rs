@@ -7,8 +7,8 @@
 use super::{Ending, EquilibriumSolver, Path, PathPoint, SolverFailure};
 use crate::model::system::LoadedSystem;
 
-/// Rest, and the state that the linear theory has at the load `largest`; no points, and [`Ending::Unstable`], if the system is not
-/// stable at rest.
+/// Rest, and the state that the linear theory has at the load `largest`; no points, and
+/// [`Ending::Unstable`], if the system is not stable at rest.
 ///
 /// # Errors
 /// [`SolverFailure`] when the solver's library fails.

@@ -80,7 +80,8 @@ pub(crate) struct Request<'a> {
 /// Certifies what the `request` names.
 ///
 /// # Errors
-/// When a file or the folder is refused, a design has no name of its own, or a solver or a mesher fails as a program.
+/// When a file or the folder is refused, a design has no name of its own, or a solver or a mesher
+/// fails as a program.
 pub(crate) fn certify_designs(
     request: &Request<'_>,
     limits: &dyn Limits,

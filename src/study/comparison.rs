@@ -8,13 +8,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{anyhow, ensure};
 use serde::Serialize;
 
+use super::front::LastGeneration;
 use super::front_rows::axes;
 use super::run_file::RunFile;
-use super::run_folder::{Record, RunFolder};
-use crate::evolve::{Nsga2, hypervolume};
+use super::run_folder::Record;
+use crate::evolve::hypervolume;
 use crate::fitness::{OBJECTIVES, Objective, Outcome};
 use crate::io::{OutputFolder, atomic};
 use crate::report::{FrontPoint, png, two_fronts_svg};
@@ -85,12 +86,7 @@ struct Run {
 
 impl Run {
     fn read(path: &Path) -> anyhow::Result<Self> {
-        let folder = RunFolder::open(path)?;
-        let (state, _) = folder.load()?;
-        let state = state
-            .with_context(|| format!("{}: no generation has been finished yet", path.display()))?;
-        let search = Nsga2::resume(state.search)?;
-        let records = folder.records(search.generation())?;
+        let LastGeneration { folder, search, records } = LastGeneration::read(path)?;
         let front = folder.front(&search, &records)?;
         ensure!(
             !front.is_empty(),

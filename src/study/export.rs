@@ -63,7 +63,8 @@ impl Export<'_> {
     /// Writes the files, and tells what is in them.
     ///
     /// # Errors
-    /// When design, edge, cubes or density are refused, the wall cannot be meshed or printed, or a file cannot be written.
+    /// When design, edge, cubes or density are refused, the wall cannot be meshed or printed, or a
+    /// file cannot be written.
     pub(crate) fn write(&self) -> anyhow::Result<Report> {
         OutputFolder::check_new(self.out)?;
         within("--density", self.print.density, 0.01, 30.0)?;
@@ -204,7 +205,8 @@ impl Report {
     }
 }
 
-/// Edge lengths that are tried where the one wanted fails, over it; twice the default is the solids'.
+/// Edge lengths that are tried where the one wanted fails, over it; twice the default is the
+/// solids'.
 const OTHER_EDGES: [f64; 3] = [0.7, 1.5, 2.0];
 /// Some hundred megabytes.
 const MOST_CUBES: f64 = 2e8;

@@ -13,7 +13,8 @@ use crate::math::Vec3;
 use crate::report::gif_film;
 use crate::solve::Backend;
 
-/// A film of the design `id` of the run in `folder`, or without `id` of the part in a folder of `simulate`: its name, and the GIF.
+/// A film of the design `id` of the run in `folder`, or without `id` of the part in a folder of
+/// `simulate`: its name, and the GIF.
 ///
 /// # Errors
 /// When the folder is refused, or the design has no shape.

@@ -41,8 +41,8 @@ pub trait Limits: Sync {
         self.is_interrupted()
     }
 
-    /// Whether somebody asked it to stop. The writing of results ends for that alone, not for the time: it begins anew where a search
-    /// goes on, and a time limit would never let it end.
+    /// Whether somebody asked it to stop. The writing of results ends for that alone, not for the
+    /// time: it begins anew where a search goes on, and a time limit would never let it end.
     fn is_interrupted(&self) -> bool {
         false
     }

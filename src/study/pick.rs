@@ -7,12 +7,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, bail, ensure};
+use anyhow::{anyhow, bail, ensure};
 use serde::Serialize;
 
+use super::front::LastGeneration;
 use super::front_rows::{pressure_column, reached};
-use super::run_folder::{Record, RunFolder};
-use crate::evolve::{IndividualId, Nsga2};
+use super::run_folder::RunFolder;
+use crate::evolve::IndividualId;
 use crate::fitness::{Asked, Evaluation, OBJECTIVES, Objective, Outcome, SCENARIOS, flags};
 
 /// What is wished of a design.
@@ -262,13 +263,19 @@ struct Among {
     all: bool,
 }
 
-/// Picks the design of the run in the folder `run` that the `wish` wants: of its front, or of `all` that were evaluated.
+/// Picks the design of the run in the folder `run` that the `wish` wants: of its front, or of `all`
+/// that were evaluated.
 ///
 /// # Errors
-/// When the folder is refused, the run did not ask for what is wished, or no design meets all bounds; the nearest are named.
+/// When the folder is refused, the run did not ask for what is wished, or no design meets all
+/// bounds; the nearest are named.
 pub(crate) fn pick(run: &Path, wish: &Wish, all: bool) -> anyhow::Result<Picked> {
-    let folder = RunFolder::open(run)?;
-    let records = records_of(&folder, all)?;
+    let LastGeneration { folder, search, mut records } = LastGeneration::read(run)?;
+    if !all {
+        let front: Vec<IndividualId> =
+            search.front().iter().map(|individual| individual.id).collect();
+        records.retain(|record| front.contains(&record.id));
+    }
     let evaluated: Vec<(IndividualId, &Evaluation)> = records
         .iter()
         .filter_map(|record| match &record.outcome {
@@ -308,22 +315,6 @@ pub(crate) fn pick(run: &Path, wish: &Wish, all: bool) -> anyhow::Result<Picked>
         files: files_of(&folder, id),
         among: Among { count: evaluated.len(), all },
     })
-}
-
-/// The records of the front, or of all.
-fn records_of(folder: &RunFolder, all: bool) -> anyhow::Result<Vec<Record>> {
-    let (state, _) = folder.load()?;
-    let state = state.with_context(|| {
-        format!("{}: no generation has been finished yet", folder.path().display())
-    })?;
-    let search = Nsga2::resume(state.search)?;
-    let mut records = folder.records(search.generation())?;
-    if !all {
-        let front: Vec<IndividualId> =
-            search.front().iter().map(|individual| individual.id).collect();
-        records.retain(|record| front.contains(&record.id));
-    }
-    Ok(records)
 }
 
 /// Why no design is picked, with those that miss least.

@@ -61,10 +61,12 @@ pub enum Searched {
     Served,
 }
 
-/// Runs the search of `run` in the folder `out`; the processes of the job but the first only evaluate.
+/// Runs the search of `run` in the folder `out`; the processes of the job but the first only
+/// evaluate.
 ///
 /// # Errors
-/// When the folder is refused, cannot be written, or was made with other settings; when a solver or a mesher fails as a program.
+/// When the folder is refused, cannot be written, or was made with other settings; when a solver or
+/// a mesher fails as a program.
 pub fn search(
     run: &RunFile,
     out: &Path,
@@ -316,7 +318,8 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Says how far the search is; `is_idle` where no candidate has ended since it was begun or resumed.
+    /// Says how far the search is; `is_idle` where no candidate has ended since it was begun or
+    /// resumed.
     fn stopped(&self, is_idle: bool) -> Searched {
         self.observer.note(&format!(
             "{} after {} of {} generations; what has ended is saved, and --resume goes on{}",
@@ -349,8 +352,8 @@ impl<'a> Search<'a> {
         row
     }
 
-    /// Computes the members of the front again, with a second mesh too, and writes genome, surface, paths and pictures of each, and
-    /// how far they depend on the mesh.
+    /// Computes the members of the front again, with a second mesh too, and writes genome, surface,
+    /// paths and pictures of each, and how far they depend on the mesh.
     fn write_front_members(&self, executor: &Threads) -> anyhow::Result<End> {
         let front: Vec<&Individual> = self.nsga2.front();
         let folder = self.folder.file("front");
@@ -394,8 +397,8 @@ impl<'a> Search<'a> {
         MeshErrorRow::new(individual.id.to_string(), &network, &self.settings, &evaluation)
     }
 
-    /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`. What a killed run has walked is taken
-    /// from there.
+    /// Walks the front as solids, and what they promote; writes `solid/` and `front_solid.csv`.
+    /// What a killed run has walked is taken from there.
     fn certify_front(
         &self,
         run: &RunFile,

@@ -30,7 +30,8 @@ use crate::scene::verify_section::{Accepted, MeshSize};
 use crate::solve::{Backend, Stop};
 
 /// What to run.
-pub(crate) struct Selection {
+pub struct Selection {
+    /// Which cases there are.
     pub folder: &'static SceneFolder,
     /// All where empty.
     pub cases: Vec<String>,
@@ -38,6 +39,7 @@ pub(crate) struct Selection {
     pub element: Option<ShellElement>,
     /// Only the meshes on which an error is accepted.
     pub quick: bool,
+    /// Which library solves.
     pub solver: Backend,
 }
 
@@ -68,11 +70,12 @@ struct Row {
     ending: &'static str,
 }
 
-/// Runs the selected cases, tells the lines of their table and writes their files into the new folder `out`.
+/// Runs the selected cases, tells the lines of their table and writes their files into the new
+/// folder `out`.
 ///
 /// # Errors
 /// When a case misses what is accepted of it.
-pub(crate) fn run(
+pub fn run(
     selection: &Selection,
     out: Option<&Path>,
     observer: &dyn Observer,
@@ -136,7 +139,7 @@ fn run_name(case: &str, element: &str) -> String {
 ///
 /// # Errors
 /// When a file is no case.
-pub(crate) fn list(folder: &SceneFolder) -> anyhow::Result<Vec<String>> {
+pub fn list(folder: &SceneFolder) -> anyhow::Result<Vec<String>> {
     let line = |name| Ok(format!("{name:<31} {}", case(folder, name)?.title));
     folder.names().map(line).collect()
 }

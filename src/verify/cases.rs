@@ -21,10 +21,10 @@ pub(crate) struct Case {
 }
 
 /// Textbook shells.
-pub(crate) const SHELLS: SceneFolder = SceneFolder { path: "verify/shells", files: &SHELL_FILES };
+pub const SHELLS: SceneFolder = SceneFolder { path: "verify/shells", files: &SHELL_FILES };
 
 /// Paths that lose their stability, turn back, or have no potential.
-pub(crate) const CURVES: SceneFolder = SceneFolder { path: "verify/curves", files: &CURVE_FILES };
+pub const CURVES: SceneFolder = SceneFolder { path: "verify/curves", files: &CURVE_FILES };
 
 /// The case of a name in `folder`, read and checked.
 pub(crate) fn case(folder: &SceneFolder, name: &str) -> anyhow::Result<Case> {

@@ -11,7 +11,7 @@ use crate::surface::TriangleMesh;
 
 /// The scenes of one folder under `verify/`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SceneFolder {
+pub struct SceneFolder {
     /// Its path in the repository.
     pub path: &'static str,
     /// Name without ending and text of every file, in the order in which they are run.

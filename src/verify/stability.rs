@@ -30,7 +30,7 @@ use crate::scene::{self, Unobserved};
 use crate::solve::{Backend, Programme, Stop, Supply};
 
 /// What to run.
-pub(crate) struct Selection {
+pub struct Selection {
     /// All where empty.
     pub cases: Vec<String>,
     /// All that are built in where none.
@@ -87,7 +87,7 @@ struct Ran {
 ///
 /// # Errors
 /// When a run fails.
-pub(crate) fn run(
+pub fn run(
     selection: &Selection,
     out: Option<&Path>,
     observer: &dyn Observer,
@@ -126,7 +126,7 @@ pub(crate) fn run(
 ///
 /// # Errors
 /// When a file is no case.
-pub(crate) fn list() -> anyhow::Result<Vec<String>> {
+pub fn list() -> anyhow::Result<Vec<String>> {
     FOLDER.names().map(|name| Ok(format!("{name:<31} {}", case(name)?.title))).collect()
 }
 

@@ -1,6 +1,5 @@
 //! Walls under their own weight.
 
-use approx::assert_relative_eq;
 use pneumorph::math::Vec3;
 use pneumorph::mesh::{Patch, ShellElement, ShellMesh, ShellSettings, SolidMesh};
 use pneumorph::model::material::{Compressible, Material, NeoHookean, Rubber, StVenantKirchhoff};
@@ -18,7 +17,7 @@ fn solved(model: &mut PartModel, load: f64) -> Vec<f64> {
     model.set_load(load);
     let mut u = vec![0.0; model.unknowns()];
     let mut solver = NativeSolver::new(model.pattern()).unwrap();
-    let settings = NewtonSettings { tolerance: 1e-12, ..NewtonSettings::default() };
+    let settings = NewtonSettings { tolerance: 1e-11, ..NewtonSettings::default() };
     let report = solver.solve(model, &mut u, &settings).unwrap();
     assert_eq!(report.ending, NewtonEnding::Converged, "{report:?}");
     u
@@ -104,7 +103,7 @@ fn clamp_bears_the_weight() {
         let u = solved(&mut heavy, pressure);
         let reaction = heavy.reaction(&u, pressure).unwrap();
         // Of the sphere's area, of fourth order in edges of 1.5 mm; the limit surface is fitted to it.
-        assert_relative_eq!(reaction.force, -exact, max_relative = 1e-3);
+        assert!((reaction.force + exact).norm() < 1e-3 * exact.norm(), "{}", reaction.force);
     }
     let u: Vec<f64> = (0..heavy.unknowns()).map(|k| 1e-3 * (k % 7) as f64).collect();
     assert_eq!(heavy.conjugate(&u), model(&PartSetup::default()).conjugate(&u));

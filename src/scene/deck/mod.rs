@@ -1,4 +1,5 @@
-//! `deck`: one solid wall under pressure, written for CalculiX and FEBio, with our own answer to the same case.
+//! `deck`: one solid wall under pressure, written for CalculiX and FEBio, with our own answer to
+//! the same case.
 //!
 //! ```text
 //! solid.inp              for CalculiX: `ccx solid`
@@ -8,8 +9,8 @@
 //! case.json  wall.msh    what was asked, and the mesh
 //! ```
 //!
-//! Shells are not written: CalculiX expands its shells to solid cells before it solves, and so has no counterpart of a wall in plane
-//! stress; the solid of the same wall is the independent opinion.
+//! Shells are not written: CalculiX expands its shells to solid cells before it solves, and so has
+//! no counterpart of a wall in plane stress; the solid of the same wall is the independent opinion.
 
 pub(crate) mod comparison;
 
@@ -279,7 +280,8 @@ const LARGEST_POISSON_RATIO: f64 = 0.4999;
 /// `material` with a bulk modulus `2 mu (1 + nu) / (3 (1 - 2 nu))`, where it is incompressible.
 ///
 /// # Errors
-/// When the `material` is one of shells alone or one that other programs lack, or has a Poisson's ratio of its own and another is given.
+/// When the `material` is one of shells alone or one that other programs lack, or has a Poisson's
+/// ratio of its own and another is given.
 pub(crate) fn compressible(
     material: &Material,
     poisson_ratio: Option<f64>,
@@ -302,10 +304,12 @@ pub(crate) fn compressible(
 }
 
 impl Subject {
-    /// Walks the solid and writes decks and answer into the new folder `out`; returns what a person is told, some lines.
+    /// Walks the solid and writes decks and answer into the new folder `out`; returns what a person
+    /// is told, some lines.
     ///
     /// # Errors
-    /// When its clamp holds too little or the tip, the path ends early, or a file cannot be written.
+    /// When its clamp holds too little or the tip, the path ends early, or a file cannot be
+    /// written.
     pub(crate) fn write(mut self, choices: &Choices, out: &Path) -> anyhow::Result<String> {
         let LoadSettings { pressure, path, .. } = &mut self.load;
         *pressure = choices.pressure.unwrap_or(*pressure);
@@ -437,7 +441,8 @@ impl Subject {
     }
 }
 
-/// The corners on the part's faces that are its tip, ascending: where `simulate` reads tetrahedra's.
+/// The corners on the part's faces that are its tip, ascending: where `simulate` reads
+/// tetrahedra's.
 fn tip_nodes(mesh: &SolidMesh, ends: &Ends) -> Vec<u32> {
     let (surface, nodes) = mesh.boundary();
     let tip = ends.tip(surface.positions.iter().map(|x| x.z));
