@@ -46,7 +46,7 @@ pub struct FitnessSettings {
     pub plane_normal: [f64; 3],
     /// Distance of the plane from the outermost point of the outer wall at rest, mm.
     pub plane_distance: f64,
-    /// Whether a design with an [`Exploit`](super::Exploit) is rejected instead of flagged.
+    /// Whether a design with an `Exploit` is rejected instead of flagged.
     pub exclude_exploits: bool,
     /// What is asked besides bending and blocking.
     #[schemars(with = "Vec<String>")]
