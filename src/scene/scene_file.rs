@@ -351,10 +351,15 @@ impl SceneFile {
         self.check_supply()?;
         self.part.check(self.mesh.settings().edge)?;
         ensure!(
-            self.part.patch.is_none() || self.has_load(),
-            "a [part.patch] wants a load other than zero: [load] pressure, [[force]] or [[moment]]"
+            self.part.patch.is_none() || self.has_load() || self.is_only_heavy(),
+            "a [part.patch] wants a load other than zero: [load] pressure, [[force]] or [[moment]], or [gravity] without a curve"
         );
         Ok(())
+    }
+
+    /// Whether it has a weight and is driven by a load that may be zero.
+    fn is_only_heavy(&self) -> bool {
+        self.gravity.is_some() && !self.load.curve
     }
 
     /// Checks the keys of `[load]` that say what is given.

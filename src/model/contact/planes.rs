@@ -88,9 +88,9 @@ impl PartModel {
         let state = |plane: &PlaneTerms| {
             let mut state = self.contact(plane).state(at.positions());
             if let (Some(place), true) = (plane.friction, state.centre.is_some()) {
-                let friction: &Friction = self.terms[place].as_kind().expect("it is friction");
                 let accepted = Friction::accepted_force(memory.of_term(place));
-                state.friction = accepted.unwrap_or_else(|| friction.force(at.positions()));
+                let now = || self.friction(place).force(at.positions());
+                state.friction = accepted.unwrap_or_else(now);
             }
             state
         };
@@ -115,6 +115,10 @@ impl PartModel {
     /// The barriers of all planes, lifted or not.
     fn contacts(&self) -> impl Iterator<Item = &PlaneContact> {
         self.planes.iter().map(|plane| self.contact(plane))
+    }
+
+    fn friction(&self, place: usize) -> &Friction {
+        self.terms[place].as_kind().expect("it is friction")
     }
 
     fn contact(&self, plane: &PlaneTerms) -> &PlaneContact {
