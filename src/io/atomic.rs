@@ -42,7 +42,7 @@ fn neighbour(path: &Path) -> io::Result<PathBuf> {
     Ok(path.with_file_name(hidden))
 }
 
-/// Whether a file of this name is one that [`write`] had not finished when it was killed.
+/// Whether a file of this name is one that [`write()`] had not finished when it was killed.
 pub(super) fn is_unfinished(name: &str) -> bool {
     let parts = name.strip_prefix('.').and_then(|name| name.strip_suffix(".tmp")?.rsplit_once('.'));
     parts.is_some_and(|(name, process)| !name.is_empty() && process.parse::<u32>().is_ok())

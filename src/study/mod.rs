@@ -1,6 +1,6 @@
 //! What is a search on disk, and how does it go?
 //!
-//! A program reads a [`RunFile`], and [`search`] runs it in a folder until it is done or its
+//! A program reads a [`RunFile`], and [`search()`] runs it in a folder until it is done or its
 //! [`Limits`] end it; [`Found`] has the front, which [`front()`] reads of a folder. An [`Observer`]
 //! is told of each generation; [`scene::Unobserved`](crate::scene::Unobserved) is one that ignores
 //! them. The commands read the folder again: they certify, compare, pick, draw, film, export and

@@ -1,4 +1,4 @@
-//! As [`free`](super::free), with a rigid plane at a distance from the outer wall.
+//! As [`free`], with a rigid plane at a distance from the outer wall.
 
 use super::{Arrangement, Scenario, free};
 

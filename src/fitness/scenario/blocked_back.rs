@@ -1,4 +1,4 @@
-//! As [`blocked`](super::blocked), with the plane on the other side of the part, at the same distance.
+//! As `blocked`, with the plane on the other side of the part, at the same distance.
 
 use super::{Arrangement, Scenario, free};
 
