@@ -231,6 +231,42 @@ fn ties_pass_contact_on_to_their_leaders() {
     }
 }
 
+/// What an accepted state remembers brings it back, whatever the block did after it: the same residual, friction and way on.
+#[test]
+fn a_path_goes_on_from_any_accepted_state() {
+    let mut block = Block::new(ShellElement::MidEdge, 0.05, 0.4);
+    let normal = block.model.dead_forces_mut().to_vec();
+    let mut u = block.down.clone();
+    let push = |block: &mut Block, u: &mut [f64], ratio: f64| {
+        for (force, normal) in block.model.dead_forces_mut().iter_mut().zip(&normal) {
+            *force = normal + ratio * normal.norm() * AXES[0];
+        }
+        block.model.refresh(u);
+        assert!(settled(&mut block.model, u), "{ratio}");
+        block.model.settle(u);
+        let memory = block.model.memory();
+        (block.model.plane_states(u, &memory)[0].friction, memory)
+    };
+    push(&mut block, &mut u, 0.0);
+    let (held, memory) = push(&mut block, &mut u, 0.3);
+    let there = u.clone();
+    let (back, _) = push(&mut block, &mut u, -0.2);
+    assert!((back + 2.0 / 3.0 * held).norm() < 1e-6 * held.norm(), "{held} {back}");
+    assert_eq!(block.model.plane_states(&there, &memory)[0].friction, held);
+
+    // From a model that was never there: without the memory, where it stands is where it holds on.
+    let mut other = Block::new(ShellElement::MidEdge, 0.05, 0.4);
+    let mut forgotten = there.clone();
+    other.model.recall(&there, &Memory::default());
+    let (_, anew) = push(&mut other, &mut forgotten, 0.3);
+    assert_ne!(anew, memory);
+    other.model.recall(&there, &memory);
+    assert_eq!(other.model.memory(), memory);
+    let mut u_other = there.clone();
+    let (back_other, _) = push(&mut other, &mut u_other, -0.2);
+    assert_eq!((back_other, u_other), (back, u));
+}
+
 /// An inflated sphere, held against its rigid motions alone, in a corner of three planes: the planes' forces and those of
 /// its pins balance, as the pressure on a closed surface has no resultant.
 #[test]
