@@ -250,6 +250,10 @@ impl SceneFile {
             }
         }
         self.gravity.map_or(Ok(()), GravitySection::check)?;
+        ensure!(
+            self.gravity.is_none() || !self.load.linear,
+            "[load] linear answers to the load alone, without a weight; take it away, or [gravity]"
+        );
         if let Some(section) = &self.solid {
             section.check()?;
             ensure!(

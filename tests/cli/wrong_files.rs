@@ -75,6 +75,10 @@ fn values_that_cannot_be_are_told_with_what_could() {
     ] {
         workshop.refuse_scene(&format!("{PART}[gravity]\n{gravity}\n"), &["scene.toml: ", words]);
     }
+    workshop.refuse_scene(
+        &format!("{PART}[gravity]\ndensity = 1.1\n[load]\nlinear = true\n"),
+        &["scene.toml: [load] linear", "[gravity]"],
+    );
     for (section, key) in
         [("wall", "thickness"), ("wall", "clamp_height"), ("mesh", "edge"), ("load", "pressure")]
     {
