@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn measure(mesh: &ShellMesh, material: &Material) -> Result<(), String> {
-    let barrier = SelfContactSettings::of_wall(mesh.thickness, PRESSURE);
+    let barrier = SelfContactSettings::of_wall(mesh.section.thickness(0), PRESSURE);
     for (name, folds) in [
         ("not seen", FoldContact::Unseen),
         ("watched", FoldContact::Ends),

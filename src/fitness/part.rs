@@ -39,6 +39,6 @@ impl Part for ShellPart<'_> {
     }
 
     fn wall_volume_cm3(&self) -> f64 {
-        1e-3 * self.shell.thickness * self.shell.surface.area()
+        1e-3 * self.shell.section.volume(&self.shell.surface)
     }
 }

@@ -9,6 +9,7 @@ mod lid;
 mod locate;
 mod patch;
 mod rings;
+mod section;
 mod shell;
 mod solid;
 pub mod tetrahedra;
@@ -22,6 +23,7 @@ pub use lid::{Lid, RimDefect};
 pub use locate::Location;
 pub use patch::{BoundaryEdge, Patch, Place, Side};
 pub use rings::{Rings, Stencil};
+pub use section::{Section, SectionPoint};
 pub use shell::{ShellElement, ShellMesh, ShellSettings};
 pub use solid::{
     FACE_EDGES, SolidMesh, TET_EDGES, TetMesh, WallSurfaces, quadratic_shapes, quadratic_slopes,

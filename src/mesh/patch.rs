@@ -16,7 +16,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Rings, Stencil};
+use super::{Rings, Section, Stencil};
 use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::surface::TriangleMesh;
 
@@ -76,8 +76,8 @@ pub struct Patch {
     pub rings: Rings,
     /// The control points of every triangle.
     pub stencils: Vec<Stencil>,
-    /// Wall thickness, mm.
-    pub thickness: f64,
+    /// What the wall is made of.
+    pub section: Section,
 }
 
 impl Patch {
@@ -104,7 +104,7 @@ impl Patch {
             surface: TriangleMesh { positions: Vec::new(), triangles: Vec::new() },
             rings: Rings::default(),
             stencils: Vec::new(),
-            thickness,
+            section: Section::uniform(thickness),
         };
         let at = |range: [f64; 2], k: isize, n: usize| {
             range[0] + (range[1] - range[0]) * k as f64 / n as f64
@@ -172,6 +172,23 @@ impl Patch {
         };
         let place = [index(s, self.s, self.cells[0])?, index(t, self.t, self.cells[1])?];
         Some(self.node(place))
+    }
+
+    /// `s` and `t` of a vertex.
+    ///
+    /// # Panics
+    /// When there is no such vertex.
+    #[must_use]
+    pub fn parameters(&self, vertex: u32) -> [f64; 2] {
+        let vertex = vertex as usize;
+        assert!(vertex < self.vertices(), "vertex {vertex} of {}", self.vertices());
+        let columns = self.cells[0] + 1;
+        let place = [vertex % columns, vertex / columns];
+        let ranges = [self.s, self.t];
+        std::array::from_fn(|k| {
+            let [low, high] = ranges[k];
+            low + (high - low) * place[k] as f64 / self.cells[k] as f64
+        })
     }
 
     /// The node at a place on the lattice or one beyond it.
@@ -309,6 +326,7 @@ mod tests {
             assert_eq!(patch.node(*place) as usize, node);
         }
         assert_eq!(patch.vertex(4.0, 0.4), Some(patch.node([3, 2])));
+        assert_eq!(patch.parameters(patch.node([3, 2])), [4.0, 0.4]);
         assert_eq!(patch.vertex(1.0, 0.4), None);
         assert_eq!(patch.surface.positions[patch.node([1, 2]) as usize], patch.point([1, 2]));
     }

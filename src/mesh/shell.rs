@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Ends, Rings, Stencil};
+use super::{Ends, Rings, Section, Stencil};
 use crate::math::{Reason, Rejected, Room};
 use crate::surface::TriangleMesh;
 
@@ -53,8 +53,8 @@ pub struct ShellMesh {
     pub rings: Rings,
     /// The control points of every triangle.
     pub stencils: Vec<Stencil>,
-    /// Wall thickness, mm.
-    pub thickness: f64,
+    /// What the wall is made of.
+    pub section: Section,
     /// The finite element.
     pub element: ShellElement,
     /// Below this z all is held, mm.
@@ -98,7 +98,7 @@ impl ShellMesh {
             sharp_edges: BTreeSet::new(),
             rings,
             stencils,
-            thickness: settings.thickness,
+            section: Section::uniform(settings.thickness),
             element: settings.element.unwrap_or_default(),
             clamp_top,
             clamp,

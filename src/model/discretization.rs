@@ -20,7 +20,9 @@ use super::patch_model::PatchLoads;
 use super::system::Inadmissible;
 use super::tie::Ties;
 use crate::math::{Reason, Rejected, Room, Vec3};
-use crate::mesh::{BoundaryEdge, Patch, ShellElement, ShellMesh, Side, SolidMesh, Stencil};
+use crate::mesh::{
+    BoundaryEdge, Patch, Section, ShellElement, ShellMesh, Side, SolidMesh, Stencil,
+};
 
 /// The stored energy of a wall of any element.
 #[derive(Clone, Debug)]
@@ -45,7 +47,8 @@ pub(super) struct Discretization {
     pub(super) held: Vec<u32>,
     /// Reference area of each triangle, mm^2.
     pub(super) areas: Vec<f64>,
-    pub(super) thickness: f64,
+    /// Mean thickness of the wall over each triangle, mm.
+    thickness: Vec<f64>,
 }
 
 impl Discretization {
@@ -53,16 +56,15 @@ impl Discretization {
     ///
     /// # Errors
     /// [`Rejected`] when a fold is tighter than half the wall, or the limit surface cannot follow the mesh.
-    pub(super) fn closed(mesh: &ShellMesh, material: &Material) -> Result<Self, Rejected> {
+    pub(super) fn closed(mesh: &ShellMesh, materials: &[Material]) -> Result<Self, Rejected> {
         let triangles = &mesh.surface.triangles;
-        let thickness = mesh.thickness;
+        let section = &mesh.section;
         let bases = LoopBasis::of_stencils(&mesh.stencils);
         let control = fitted_control_points(mesh, &bases)?;
         let limit = ElementPoints::of_stencils(&mesh.stencils, &bases);
         let (reference, wall, points, areas) = match mesh.element {
             ShellElement::Loop => {
-                let wall =
-                    LoopShell::new(&mesh.stencils, &bases, &control, thickness, material.clone())?;
+                let wall = LoopShell::new(&mesh.stencils, &bases, &control, section, materials)?;
                 let areas = loop_areas(&mesh.stencils, &bases, &control);
                 (control, Wall::Loop(wall), limit, areas)
             }
@@ -76,14 +78,15 @@ impl Discretization {
                 };
                 let patches = mid_edge_patches(triangles, &BTreeMap::new());
                 let sharp = &mesh.sharp_edges;
-                let wall =
-                    MidEdgeShell::new(&patches, sharp, &reference, thickness, material.clone())?;
+                let wall = MidEdgeShell::new(&patches, sharp, &reference, section, materials)?;
                 let areas = facet_areas(triangles, &reference);
                 (reference, Wall::MidEdge(wall), facet_points(triangles), areas)
             }
         };
-        let surface = SampledSurface::new(triangles, &points, mesh.surface.positions.len());
+        let surface =
+            SampledSurface::new(triangles, &points, mesh.surface.positions.len(), section);
         let (ties, held) = (Ties::default(), Vec::new());
+        let thickness = mean_thickness(section, triangles);
         Ok(Self { reference, pressures: 0, wall, points, surface, ties, held, areas, thickness })
     }
 
@@ -105,7 +108,12 @@ impl Discretization {
         let size = (areas.iter().sum::<f64>() / areas.len() as f64).sqrt();
         let wall = Wall::Solid(TaylorHood::new(mesh, law, size)?);
         let points: Vec<_> = mesh.faces().map(ElementPoints::of_quadratic).collect();
-        let surface = SampledSurface::new(&boundary.triangles, &points, nodes.len());
+        let surface = SampledSurface::new(
+            &boundary.triangles,
+            &points,
+            nodes.len(),
+            &Section::uniform(thickness),
+        );
         Ok(Self {
             reference: mesh.positions.clone(),
             pressures: mesh.corners,
@@ -114,8 +122,8 @@ impl Discretization {
             surface,
             ties: Ties::default(),
             held: Vec::new(),
+            thickness: vec![thickness; areas.len()],
             areas,
-            thickness,
         })
     }
 
@@ -127,18 +135,17 @@ impl Discretization {
         patch: &Patch,
         element: ShellElement,
         loads: &PatchLoads,
-        material: &Material,
+        materials: &[Material],
     ) -> Result<Self, Rejected> {
         let PatchLoads { supports, pins, .. } = loads;
         let triangles = &patch.surface.triangles;
-        let thickness = patch.thickness;
+        let section = &patch.section;
         let (supported, reference, wall, points, areas) = match element {
             ShellElement::Loop => {
                 let bases = patch_bases(patch);
                 let reference = patch.control_points();
                 let stencils = &patch.stencils;
-                let wall =
-                    LoopShell::new(stencils, &bases, &reference, thickness, material.clone())?;
+                let wall = LoopShell::new(stencils, &bases, &reference, section, materials)?;
                 let areas = loop_areas(stencils, &bases, &reference);
                 let points = ElementPoints::of_stencils(stencils, &bases);
                 let supported = supports_of_control_points(patch, supports, pins)?;
@@ -150,14 +157,14 @@ impl Discretization {
                     patch.boundary_edges().into_iter().map(|edge| (edge.ends, edge.beyond));
                 let patches = mid_edge_patches(triangles, &beyond.collect());
                 let sharp = &BTreeSet::new();
-                let wall =
-                    MidEdgeShell::new(&patches, sharp, &reference, thickness, material.clone())?;
+                let wall = MidEdgeShell::new(&patches, sharp, &reference, section, materials)?;
                 let areas = facet_areas(triangles, &reference);
                 (supported, reference, Wall::MidEdge(wall), facet_points(triangles), areas)
             }
         };
         let Supported { ties, held } = supported;
-        let surface = SampledSurface::new(triangles, &points, patch.vertices());
+        let surface = SampledSurface::new(triangles, &points, patch.vertices(), section);
+        let thickness = mean_thickness(section, triangles);
         Ok(Self { reference, pressures: 0, wall, points, surface, ties, held, areas, thickness })
     }
 
@@ -167,11 +174,12 @@ impl Discretization {
             return body.node_volumes();
         }
         let mut volumes = vec![0.0; self.reference.len()];
-        for (points, area) in self.points.iter().zip(&self.areas) {
+        for ((points, area), thickness) in self.points.iter().zip(&self.areas).zip(&self.thickness)
+        {
             for (&node, weights) in points.nodes.iter().zip(&points.weights) {
                 // The three edge midpoints integrate quadratics.
                 let mean = (weights[3] + weights[4] + weights[5]) / 3.0;
-                volumes[node as usize] += mean * area * self.thickness;
+                volumes[node as usize] += mean * area * thickness;
             }
         }
         volumes
@@ -411,6 +419,10 @@ fn loop_areas(stencils: &[Stencil], bases: &[Rc<LoopBasis>], control: &[Vec3]) -
         basis.area(&x)
     };
     stencils.iter().zip(bases).map(area).collect()
+}
+
+fn mean_thickness(section: &Section, triangles: &[[u32; 3]]) -> Vec<f64> {
+    triangles.iter().map(|&corners| section.mean_thickness(corners)).collect()
 }
 
 fn facet_areas(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<f64> {

@@ -12,7 +12,7 @@ use std::ops::Range;
 use super::assembly::{Assembler, Nodes};
 use super::body::Body;
 use super::contact::self_contact::{FoldWatch, WallContact};
-use super::contact::{Faces, PlaneTerms};
+use super::contact::{PlaneTerms, Samples};
 use super::dirichlet::Dirichlet;
 use super::discretization::{Discretization, Wall};
 use super::element::{Sample, ascending};
@@ -55,17 +55,19 @@ pub(super) struct Loads {
 }
 
 impl PartModel {
-    /// The wall of `mesh` made of `material`, held by `support`, among what `setup` lists; its load is the pressure, MPa.
+    /// The wall of `mesh`, whose section names its materials by their places in `materials` (one alone is a list too), held by `support`,
+    /// among what `setup` lists; its load is the pressure, MPa.
     ///
     /// # Errors
     /// [`Rejected`] when a fold is tighter than half the wall, or the limit surface cannot follow the mesh.
     pub fn new(
         mesh: &ShellMesh,
-        material: &Material,
+        materials: &(impl AsRef<[Material]> + ?Sized),
         support: &Support,
         setup: &PartSetup,
     ) -> Result<Self, Rejected> {
-        let parts = Discretization::closed(mesh, material)?;
+        let materials = materials.as_ref();
+        let parts = Discretization::closed(mesh, materials)?;
         let held = match support {
             Support::Clamp => {
                 let near = |&v: &u32| mesh.rings.ring(v).iter().copied().chain([v]);
@@ -76,9 +78,8 @@ impl PartModel {
         };
         let chamber = ChamberPressure::new(&parts.points);
         let loads = Loads { dead: None, others: vec![Box::new(chamber)] };
-        let faces = Faces::about_middle(mesh.thickness);
         let setup = PartSetup { folds: setup.folds.or(Some(FoldContact::Ends)), ..setup.clone() };
-        Ok(Self::assembled(parts, loads, held, material, faces, &setup))
+        Ok(Self::assembled(parts, loads, held, materials, Samples::InMiddle, &setup))
     }
 
     /// The solid wall of `mesh`, about `thickness` (mm) thick, made of `material`, held and loaded by `loads`, among what `setup` lists;
@@ -104,9 +105,8 @@ impl PartModel {
         if !mesh.chamber.is_empty() {
             terms.others.push(Box::new(loads.chamber(mesh)));
         }
-        let faces = Faces::sampled(thickness);
-        let held = loads.held.clone();
-        let mut model = Self::assembled(parts, terms, held, material, faces, setup);
+        let (held, materials) = (loads.held.clone(), material.as_ref());
+        let mut model = Self::assembled(parts, terms, held, materials, Samples::OnFace, setup);
         if let Some(points) = loads.shown {
             model.shown = samples_in(mesh, points)?;
         }
@@ -118,8 +118,8 @@ impl PartModel {
         parts: Discretization,
         loads: Loads,
         mut held: Vec<u32>,
-        material: &Material,
-        faces: Faces,
+        materials: &[Material],
+        lie: Samples,
         setup: &PartSetup,
     ) -> Self {
         let volumes = parts.node_volumes();
@@ -145,9 +145,9 @@ impl PartModel {
         terms.push(wall);
         terms.extend(loads.others.into_iter().map(|term| Placed::of_boxed(term, &body)));
         let planes =
-            setup.planes.iter().map(|plane| PlaneTerms::add(plane, faces, &body, &mut terms));
+            setup.planes.iter().map(|plane| PlaneTerms::add(plane, lie, &body, &mut terms));
         let planes = planes.collect();
-        let fold_watch = FoldWatch::new(parts.points, parts.thickness);
+        let fold_watch = FoldWatch::new(parts.points);
         terms.push(Placed::new(StretchBound::new(&body, setup.stretch_bound), &body));
         match setup.folds {
             None | Some(FoldContact::Unseen) => {}
@@ -159,14 +159,15 @@ impl PartModel {
         }
         let stencils = terms.iter().flat_map(Placed::pattern_stencils);
         let assembler = Assembler::of_stencils(nodes, stencils);
+        let (stiffest, thickest) = (Material::stiffest(materials), body.surface.thickest());
         Self {
             load: 0.0,
             planes,
             fold_watch,
             dirichlet: Dirichlet::new(assembler.pattern(), held),
-            force_scale: material.shear_modulus() * parts.thickness * element_size,
+            force_scale: stiffest.shear_modulus() * thickest * element_size,
             // Invariants of an undeformed wall carry a rounding of 1e-16 each, of either sign.
-            energy_rounding: 1e-17 * material.young_modulus() * parts.thickness * area,
+            energy_rounding: 1e-17 * stiffest.young_modulus() * thickest * area,
             shown: body.surface.samples[..body.surface.vertices].to_vec(),
             body,
             terms,

@@ -87,15 +87,12 @@ impl PartModel {
     /// What the cells of [`Self::picture_cells`] bear at the unknowns `u`; none where an element has collapsed.
     #[must_use]
     pub fn borne_states(&self, u: &[f64]) -> Option<BorneStates> {
-        let thickness = self.fold_watch.thickness;
         let shell = |states: Result<Vec<ShellState>, _>| states.ok().map(BorneStates::Shell);
         match self.wall() {
             Wall::Solid(body) => Some(BorneStates::Solid(body.states(&self.body.untied(u)))),
-            Wall::Loop(wall) => {
-                shell(wall.states(&self.body.reference, &self.body.displaced(u), thickness))
-            }
+            Wall::Loop(wall) => shell(wall.states(&self.body.reference, &self.body.displaced(u))),
             Wall::MidEdge(wall) => {
-                shell(wall.states(&self.body.reference, &self.body.displaced(u), thickness))
+                shell(wall.states(&self.body.reference, &self.body.displaced(u)))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The model of an open patch: its supports, its loads.
 
-use super::contact::Faces;
+use super::contact::Samples;
 use super::discretization::Discretization;
 use super::edge_support::{EdgeSupport, EdgeSupports};
 use super::load::{DeadForces, DeadLoad, EdgeMoment, FollowerForce, FollowerLoads, Loaded};
@@ -65,11 +65,12 @@ impl PartModel {
     pub fn of_patch(
         patch: &Patch,
         element: ShellElement,
-        material: &Material,
+        materials: &(impl AsRef<[Material]> + ?Sized),
         loads: &PatchLoads,
         setup: &PartSetup,
     ) -> Result<Self, Rejected> {
-        let parts = Discretization::of_patch(patch, element, loads, material)?;
+        let materials = materials.as_ref();
+        let parts = Discretization::of_patch(patch, element, loads, materials)?;
         let edges = patch.boundary_edges();
         let loaded = Loaded {
             reference: &parts.reference,
@@ -110,8 +111,8 @@ impl PartModel {
             let (stencils, followers) = carriers.into_iter().unzip();
             terms.others.push(Box::new(FollowerLoads::new(stencils, followers)));
         }
-        let faces = Faces::about_middle(patch.thickness);
-        let mut model = Self::assembled(parts, terms, Vec::new(), material, faces, setup);
+        let mut model =
+            Self::assembled(parts, terms, Vec::new(), materials, Samples::InMiddle, setup);
         if model.free_unknowns() == 0 {
             let detail =
                 "nothing of the patch can move; it wants more cells between its held sides";
@@ -128,7 +129,9 @@ impl PartModel {
         // some roundings of size / element at thousands of nodes, 1e-13 in all, of which the tolerance's 1e-9 makes 1e-4.
         if largest > 0.0 {
             let size = patch.surface.positions.iter().map(|x| x.amax()).fold(0.0, f64::max);
-            let rounding = 1e-4 * material.young_modulus() * patch.thickness * size;
+            let stiffest = Material::stiffest(materials);
+            let [_, thickest] = patch.section.thickness_range();
+            let rounding = 1e-4 * stiffest.young_modulus() * thickest * size;
             model.force_scale = model.force_scale.min(largest.max(rounding));
         }
         Ok(model)

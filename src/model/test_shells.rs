@@ -43,12 +43,13 @@ impl TestShell {
     }
 
     pub(super) fn surface(&self) -> SampledSurface {
-        SampledSurface::new(&self.mesh.surface.triangles, &self.points(), self.reference.len())
+        let ShellMesh { surface, section, .. } = &self.mesh;
+        SampledSurface::new(&surface.triangles, &self.points(), self.reference.len(), section)
     }
 
     pub(super) fn wall(&self, material: Material) -> LoopShell {
         let mesh = &self.mesh;
-        LoopShell::new(&mesh.stencils, &self.bases, &self.reference, mesh.thickness, material)
+        LoopShell::new(&mesh.stencils, &self.bases, &self.reference, &mesh.section, &[material])
             .unwrap()
     }
 }

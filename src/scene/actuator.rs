@@ -46,21 +46,20 @@ impl Actuator {
         check_tip(&mesh, &scene.wall).with_context(|| path.display().to_string())?;
         let surface = SurfaceQuality::of(&mesh.surface)?;
         let setup = scene.setup(scene.load_settings().pressure)?;
-        let material = scene.material.material()?;
-        instability(&material).iter().for_each(|line| observer.warning(line));
+        let materials = scene.materials()?;
+        let unstable = materials.iter().filter_map(instability);
+        unstable.for_each(|line| observer.warning(&line));
         let failed = |rejected: Rejected| anyhow!("{}: {rejected}", path.display());
         let mut model =
-            PartModel::new(&mesh, &material, &Support::Clamp, &setup).map_err(failed)?;
+            PartModel::new(&mesh, &materials, &Support::Clamp, &setup).map_err(failed)?;
         let judgement = own_surface::judged(scene, source, &mesh, &model)?;
         lies.iter().chain(&judgement).for_each(|line| observer.warning(line));
         let solid = match &scene.solid {
             None => None,
-            Some(section) => {
-                Some(SolidPart::new(&model, mesh.thickness, section)?.map_err(failed)?)
-            }
+            Some(section) => Some(SolidPart::new(&model, &mesh.section, section)?.map_err(failed)?),
         };
         if let Some(solid) = &solid {
-            model = solid.model(&mesh, &material, &setup).map_err(failed)?;
+            model = solid.model(&mesh, &materials[0], &setup).map_err(failed)?;
         }
         Ok(Self { mesh, surface, model, solid })
     }

@@ -15,6 +15,7 @@ pub(crate) mod material;
 pub(crate) mod mesh_section;
 mod observer;
 pub(crate) mod part;
+pub(crate) mod region;
 pub(crate) mod results;
 pub(crate) mod scene_file;
 pub(crate) mod shape;

@@ -13,6 +13,7 @@ use super::keys::{annotated, sections};
 use super::material::{MaterialSection, positive, within};
 use super::mesh_section::{Edge, MeshSection};
 use super::part::Part;
+use super::region::{COORDINATES, PARAMETERS, RegionSection, Regions};
 use super::verify_section::{MeshSize, VerifySection};
 use super::watch::{WatchSection, Watchable};
 use crate::field::DesignBox;
@@ -21,6 +22,7 @@ use crate::io::toml_file;
 use crate::math::Vec3;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::model::contact::{PlaneSettings, SelfContactSettings};
+use crate::model::material::Material;
 use crate::model::{FoldContact, PartSetup};
 use crate::scene::part::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PinSection, check_patch_pressure,
@@ -43,6 +45,9 @@ pub(crate) struct SceneFile {
     pub wall: ShellSettings,
     #[serde(default)]
     pub material: MaterialSection,
+    /// Where the wall is thicker, thinner or of another material; none is listed, it is the same everywhere.
+    #[serde(default, rename = "region", skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<RegionSection>,
     #[serde(default)]
     pub load: LoadSection,
     #[serde(default = "default_solver")]
@@ -236,7 +241,7 @@ impl SceneFile {
         );
         check_shell(&self.wall, &self.load_settings())?;
         self.mesh.check(&self.part, self.design_box)?;
-        self.material.material()?;
+        self.materials()?;
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
             check_distance("[[plane]] distance", plane.distance)?;
@@ -268,10 +273,27 @@ impl SceneFile {
         }
         let is_solid = self.solid.is_some() || self.part.tetrahedra.is_some();
         ensure!(
+            self.regions().map(|regions| regions.is_empty())? || !is_solid,
+            "a [[region]] is one of shells; take it away, or the solid"
+        );
+        ensure!(
             self.self_contact.is_none() || !is_solid,
             "[self_contact] is modelled between shells alone; take it away, or the solid"
         );
         self.check_conditions()
+    }
+
+    /// The materials of the wall: that of `[material]`, then those of the regions.
+    pub(crate) fn materials(&self) -> anyhow::Result<Vec<Material>> {
+        Regions::materials(&self.regions, self.material.material()?)
+    }
+
+    /// Where the wall is another one.
+    pub(crate) fn regions(&self) -> anyhow::Result<Regions<'_>> {
+        Regions::new(
+            &self.regions,
+            if self.part.patch.is_some() { PARAMETERS } else { COORDINATES },
+        )
     }
 
     /// The barrier between folds of the wall, if they are kept apart.
@@ -524,6 +546,12 @@ const LIST_EXAMPLES: &str = "
 # layers = 1  # through the wall; as many as make tetrahedra as high as wide where it is left out
 # mesher = \"tetgen\"  # or gmsh; the one and then the other where it is left out
 
+# A part of the wall that is thicker, thinner or of another material; as many as needed, of which the last counts where they overlap.
+# [[region]]
+# where = \"-8 - x\"  # a formula of x, y, z at rest (mm; of a patch of s, t), positive in the region
+# thickness = 2.4  # or a formula, as \"1.6 + 0.01*z\"; as [wall] says where it is left out
+# material = { law = \"neo-hookean\", mu = 5.0 }
+
 # A rigid plane on the -x side; as many as needed.
 # [[plane]]
 # normal = [1.0, 0.0, 0.0]
@@ -568,6 +596,7 @@ pub(crate) fn defaults() -> String {
         },
         solver: default_solver(),
         self_contact: None,
+        regions: Vec::new(),
         gravity: None,
         solid: None,
         planes: Vec::new(),

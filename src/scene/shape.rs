@@ -92,7 +92,7 @@ impl Shape {
         let mesh = closed_part::shell(scene, source, observer)?;
         let support = closed_part::support(source, &mesh);
         let setup = scene.setup(scene.load_settings().pressure)?;
-        let model = PartModel::new(&mesh, &scene.material.material()?, &support, &setup)
+        let model = PartModel::new(&mesh, &scene.materials()?, &support, &setup)
             .map_err(|rejected| anyhow!("{rejected}"))?;
         let watches = watches_of_closed(scene, &mesh)?;
         let (chamber, warnings, tip) = (None, Vec::new(), None);
@@ -187,8 +187,9 @@ pub(crate) const NO_CHAMBER: &str = "the wall surrounds no chamber; name the gro
 
 fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> {
     let surface = section.surface()?;
-    let patch = Patch::new(section.cells, section.s, section.t, scene.wall.thickness, &surface)
+    let mut patch = Patch::new(section.cells, section.s, section.t, scene.wall.thickness, &surface)
         .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
+    patch.section = scene.regions()?.of_patch(&patch)?;
     let vertex = |[s, t]: [f64; 2]| {
         patch.vertex(s, t).with_context(|| format!("no vertex of the patch lies at [{s}, {t}]"))
     };
@@ -236,9 +237,9 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
         );
     }
     let setup = scene.setup(loads.mean_pressure(&patch))?;
-    let material = scene.material.material()?;
+    let materials = scene.materials()?;
     let element = scene.wall.element.unwrap_or_default();
-    let model = PartModel::of_patch(&patch, element, &material, &loads, &setup)
+    let model = PartModel::of_patch(&patch, element, &materials, &loads, &setup)
         .map_err(|rejected| anyhow!("[part.patch]: {rejected}"))?;
     let watches = scene
         .watches

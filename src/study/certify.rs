@@ -386,7 +386,7 @@ pub(crate) fn certify(
     stop: Stop<'_>,
 ) -> anyhow::Result<Result<Certified, Rejected>> {
     let walked = |section: &SolidSection| -> anyhow::Result<Result<_, Rejected>> {
-        let solid = match SolidPart::new(scenarios.model(), shell.thickness, section)? {
+        let solid = match SolidPart::new(scenarios.model(), &shell.section, section)? {
             Ok(solid) => solid,
             Err(rejected) => return Ok(Err(rejected)),
         };

@@ -26,15 +26,17 @@ impl TriangleMesh {
         (0..self.triangles.len()).map(|t| self.volume_below(t)).sum()
     }
 
-    /// The two faces of a wall of `thickness` (mm) around this middle: the outer face, and the inner one turned round.
+    /// The two faces of a wall of the `thickness` (mm) of each vertex around this middle: the outer face, and the inner one turned round.
     ///
     /// Offset along the vertex normals: where the surface folds tighter than half the thickness, a face crosses itself.
     #[must_use]
-    pub fn wall(&self, thickness: f64) -> Self {
+    pub fn wall(&self, thickness: impl Fn(u32) -> f64) -> Self {
         let normals = self.vertex_normals();
-        let offset =
-            |distance: f64| self.positions.iter().zip(&normals).map(move |(x, n)| x + distance * n);
-        let positions = offset(0.5 * thickness).chain(offset(-0.5 * thickness)).collect();
+        let mut positions = Vec::with_capacity(2 * self.positions.len());
+        for side in [0.5, -0.5] {
+            let middle = (0..).zip(&self.positions).zip(&normals);
+            positions.extend(middle.map(|((v, x), n)| x + side * thickness(v) * n));
+        }
         let inner = self.positions.len() as u32;
         let turned = self.triangles.iter().map(|&[a, b, c]| [inner + a, inner + c, inner + b]);
         Self { positions, triangles: self.triangles.iter().copied().chain(turned).collect() }
@@ -220,7 +222,7 @@ mod tests {
     /// The wall of a sphere is a shell between two spheres; a fine sphere's volume is right to 0.4 %.
     #[test]
     fn wall_of_a_sphere_has_the_volume_of_the_shell() {
-        let wall = TriangleMesh::sphere(10.0, 4).wall(2.0);
+        let wall = TriangleMesh::sphere(10.0, 4).wall(|_| 2.0);
         let exact = 4.0 / 3.0 * std::f64::consts::PI * (11.0_f64.powi(3) - 9.0_f64.powi(3));
         assert_relative_eq!(wall.volume(), exact, max_relative = 5e-3);
         assert_eq!(wall.components().iter().max(), Some(&1));

@@ -11,6 +11,7 @@ mod lids;
 mod locking;
 mod parts;
 mod rubber;
+mod sections;
 mod self_contact;
 mod solid_problems;
 mod solids;

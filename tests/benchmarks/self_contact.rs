@@ -260,7 +260,7 @@ fn closed_parts_are_watched() {
     let x = mesh.surface.positions[node];
     assert!(limit.kind == LimitKind::SelfTouch && x.x.hypot(x.y) < 4.0, "{x}");
     assert_eq!(model(&among(FoldContact::Unseen)).passed_limit(&past), None);
-    let mut apart = model(&among(barrier(mesh.thickness, 0.01)));
+    let mut apart = model(&among(barrier(mesh.section.thickness(0), 0.01)));
     assert_eq!(apart.passed_limit(&past), None);
     assert!(apart.energy(&past).is_err() && apart.energy(&near).is_ok());
 }

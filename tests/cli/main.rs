@@ -16,6 +16,7 @@ mod own_surfaces;
 mod own_tetrahedra;
 mod parts;
 mod pictures;
+mod regions;
 mod second_opinion;
 mod simulate;
 mod solids;

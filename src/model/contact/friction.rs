@@ -303,7 +303,7 @@ mod tests {
     use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
     use super::*;
-    use crate::model::contact::{Faces, PlaneSettings};
+    use crate::model::contact::{PlaneSettings, Samples};
     use crate::model::element::{Sample, SampledSurface};
     use crate::model::term_suite::{Case, term_suite};
     use crate::model::test_shells::TestShell;
@@ -315,13 +315,8 @@ mod tests {
     /// derivative jumps and differences are of lower order.
     fn gripping(shell: &TestShell) -> Case<Friction> {
         let settings = PlaneSettings::new(NORMAL, 1.0, 0.7);
-        let thickness = shell.mesh.thickness;
-        let contact = PlaneContact::new(
-            &shell.surface(),
-            &shell.reference,
-            Faces::about_middle(thickness),
-            &settings,
-        );
+        let contact =
+            PlaneContact::new(&shell.surface(), &shell.reference, Samples::InMiddle, &settings);
         let mut term = Friction::new(contact.clone(), &shell.reference, MU, 0.5);
         let [along, across] = [Vec3::x(), Vec3::y()].map(|axis| NORMAL.cross(&axis).normalize());
         for s in contact.samples() {
@@ -345,10 +340,15 @@ mod tests {
     /// A facet of 3 mm^2 before a plane z = 0 at a distance of 0.1 mm; its corners are its samples.
     fn facet() -> (PlaneContact, Friction, Vec<Vec3>) {
         let samples = (0..3).map(|node| Sample { nodes: vec![node], weights: vec![1.0] }).collect();
-        let surface = SampledSurface { samples, facets: vec![[0, 1, 2]], vertices: 3 };
+        let surface = SampledSurface {
+            samples,
+            facets: vec![[0, 1, 2]],
+            vertices: 3,
+            thickness: vec![1.0; 3],
+        };
         let positions = vec![Vec3::zeros(), Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 3.0, 0.0)];
         let settings = PlaneSettings::new(Vec3::z(), 0.1, 0.7);
-        let contact = PlaneContact::new(&surface, &positions, Faces::about_middle(1.0), &settings);
+        let contact = PlaneContact::new(&surface, &positions, Samples::InMiddle, &settings);
         let friction = Friction::new(contact.clone(), &positions, MU, ELASTIC_SLIP);
         (contact, friction, positions)
     }

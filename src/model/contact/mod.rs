@@ -8,7 +8,7 @@ pub(super) mod self_contact;
 mod tests;
 
 pub use friction::Friction;
-pub(in crate::model) use plane::Faces;
+pub(in crate::model) use plane::Samples;
 pub use plane::{PlaneContact, PlaneSettings};
 pub use planes::PlaneState;
 pub(in crate::model) use planes::PlaneTerms;

@@ -66,27 +66,13 @@ impl PlaneSettings {
     }
 }
 
-/// How the faces of a wall lie about the samples of its surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Faces {
-    /// Thickness of the wall, mm: what gaps are measured by.
-    pub thickness: f64,
-    /// Distance of the face from the samples, mm.
-    pub beyond: f64,
-}
-
-impl Faces {
-    /// Of a wall whose samples lie in its middle.
-    #[must_use]
-    pub fn about_middle(thickness: f64) -> Self {
-        Self { thickness, beyond: 0.5 * thickness }
-    }
-
-    /// Of a wall whose samples lie on its faces.
-    #[must_use]
-    pub fn sampled(thickness: f64) -> Self {
-        Self { thickness, beyond: 0.0 }
-    }
+/// Where the samples of a wall's surface lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// In the middle of the wall; its face is half the thickness beyond.
+    InMiddle,
+    /// On its face.
+    OnFace,
 }
 
 /// The barrier between a wall's face and a rigid plane.
@@ -107,7 +93,7 @@ pub struct PlaneContact {
 }
 
 impl PlaneContact {
-    /// The barrier for the wall with `faces` about `surface`, with nodes at `positions` at rest.
+    /// The barrier for the wall whose `surface` has samples that lie as `lie` says, with nodes at `positions` at rest.
     ///
     /// # Panics
     /// When distance or pressure is not positive.
@@ -115,10 +101,9 @@ impl PlaneContact {
     pub fn new(
         surface: &SampledSurface,
         positions: &[Vec3],
-        faces: Faces,
+        lie: Samples,
         settings: &PlaneSettings,
     ) -> Self {
-        let Faces { thickness, beyond } = faces;
         let &PlaneSettings { normal, distance, pressure, .. } = settings;
         assert!(distance > 0.0 && pressure > 0.0, "{settings:?}");
         let at_rest = surface.at(positions);
@@ -130,15 +115,23 @@ impl PlaneContact {
                 areas[*v as usize] += area / 3.0;
             }
         }
-        let heights: Vec<f64> = at_rest.iter().map(|x| normal.dot(x)).collect();
-        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let offset = lowest - beyond - distance;
-        let floor = |height: &f64| (lowest - distance).min(height - LEAST_REST_GAP * thickness);
-        let floors: Vec<f64> = heights.iter().map(floor).collect();
-        let activation = |(height, floor): (&f64, &f64)| {
-            (ACTIVATION * thickness).min(SHARE_OF_REST_GAP * (height - floor))
+        let beyond = |thickness: f64| match lie {
+            Samples::InMiddle => 0.5 * thickness,
+            Samples::OnFace => 0.0,
         };
-        let activations = heights.iter().zip(&floors).map(activation).collect();
+        // Each sample is lowered to where the face of the thickest wall would be as high as its own.
+        let farthest = beyond(surface.thickest());
+        let heights: Vec<f64> = (at_rest.iter().zip(&surface.thickness))
+            .map(|(x, &thickness)| normal.dot(x) + (farthest - beyond(thickness)))
+            .collect();
+        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let offset = lowest - farthest - distance;
+        let (mut floors, mut activations) = (Vec::new(), Vec::new());
+        for (height, &thickness) in heights.iter().zip(&surface.thickness) {
+            let floor = (lowest - distance).min(height - LEAST_REST_GAP * thickness);
+            activations.push((ACTIVATION * thickness).min(SHARE_OF_REST_GAP * (height - floor)));
+            floors.push(floor - (farthest - beyond(thickness)));
+        }
         let samples = surface.samples.iter().map(|s| (s.nodes.clone(), s.weights.clone()));
         let (nodes, weights) = samples.unzip();
         Self { normal, offset, nodes, weights, areas, floors, activations, pressure }
@@ -323,8 +316,7 @@ mod tests {
 
     fn contact(shell: &TestShell, distance: f64) -> PlaneContact {
         let settings = PlaneSettings::new(NORMAL, distance, 0.7);
-        let faces = Faces::about_middle(shell.mesh.thickness);
-        PlaneContact::new(&shell.surface(), &shell.reference, faces, &settings)
+        PlaneContact::new(&shell.surface(), &shell.reference, Samples::InMiddle, &settings)
     }
 
     /// A tilted plane so near to the deformed shell that the closest sample has a gap of 0.4 mm and many are below the

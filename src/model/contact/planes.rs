@@ -1,6 +1,6 @@
 //! The planes of a scene: their terms in a part, and what is read off them.
 
-use super::{Faces, Friction, PlaneContact, PlaneSettings};
+use super::{Friction, PlaneContact, PlaneSettings, Samples};
 use crate::math::Vec3;
 use crate::model::PartModel;
 use crate::model::body::Body;
@@ -32,17 +32,18 @@ pub struct PlaneState {
 }
 
 impl PlaneTerms {
-    /// Adds the terms of the plane of `settings` before the wall of `body` with `faces`.
+    /// Adds the terms of the plane of `settings` before the wall of `body`, whose samples lie as `lie` says.
     pub(in crate::model) fn add(
         settings: &PlaneSettings,
-        faces: Faces,
+        lie: Samples,
         body: &Body,
         terms: &mut Vec<Placed>,
     ) -> Self {
         let place = terms.len();
-        let contact = PlaneContact::new(&body.surface, &body.reference, faces, settings);
+        let contact = PlaneContact::new(&body.surface, &body.reference, lie, settings);
+        let thinnest = body.surface.thickness.iter().copied().fold(f64::INFINITY, f64::min);
         let friction = (settings.friction > 0.0).then(|| {
-            let slip = settings.elastic_slip * faces.thickness;
+            let slip = settings.elastic_slip * thinnest;
             Friction::new(contact.clone(), &body.reference, settings.friction, slip)
         });
         terms.push(Placed::new(contact, body));

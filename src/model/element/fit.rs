@@ -35,7 +35,8 @@ pub fn fitted_control_points(
         let mut gave_way = false;
         for (stencil, basis) in mesh.stencils.iter().zip(bases) {
             let x: Vec<Vec3> = stencil.nodes.iter().map(|&v| control[v as usize]).collect();
-            if tightness(&basis.barycentre, &x, mesh.thickness) < TIGHTEST_FOLD {
+            let thickness = mesh.section.mean_thickness(stencil.corners());
+            if tightness(&basis.barycentre, &x, thickness) < TIGHTEST_FOLD {
                 for v in stencil.corners() {
                     gave_way |= targets[v as usize] != smooth[v as usize];
                     targets[v as usize] = smooth[v as usize];
@@ -134,7 +135,7 @@ mod tests {
         let shifters = |control: &[Vec3]| -> Vec<f64> {
             let shifter = |(stencil, basis): (&Stencil, &Rc<LoopBasis>)| {
                 let x: Vec<Vec3> = stencil.nodes.iter().map(|&v| control[v as usize]).collect();
-                tightness(&basis.barycentre, &x, mesh.thickness)
+                tightness(&basis.barycentre, &x, mesh.section.mean_thickness(stencil.corners()))
             };
             mesh.stencils.iter().zip(&bases).map(shifter).collect()
         };
@@ -189,7 +190,8 @@ mod tests {
             }
             let material = Material::NeoHookean(NeoHookean { mu: 1.0 });
             let shell =
-                LoopShell::new(&mesh.stencils, &bases, &control, mesh.thickness, material).unwrap();
+                LoopShell::new(&mesh.stencils, &bases, &control, &mesh.section, &[material])
+                    .unwrap();
             let exact = 4.0 * PI * RADIUS * RADIUS;
             // The wall's volume is t A (1 + K t^2 / 12); its curvature is that of the mesh, up to 15 % wrong.
             let wall = exact * 0.5 * (1.0 + 0.25 / (12.0 * RADIUS * RADIUS));

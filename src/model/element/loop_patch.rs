@@ -28,14 +28,24 @@ const AREA_LEVELS: usize = 2;
 pub struct LoopBasis {
     /// `[,1 ,2 ,11 ,22 ,12]` of each control point at the barycentre.
     pub barycentre: Vec<[f64; 5]>,
-    /// The quadrature: the share of the element's area that each point stands for, and `[,1 ,2 ,11 ,22 ,12]` of each control
-    /// point there.
-    pub points: Vec<(f64, Vec<[f64; 5]>)>,
+    /// The quadrature.
+    pub points: Vec<LoopPoint>,
     /// `[,1 ,2]` of each control point at the barycentres of the 16 grandchildren, with the share of
     /// `|x,1 cross x,2|` that each contributes to the area.
     area_points: Vec<(f64, Vec<[f64; 2]>)>,
     /// Limit positions of the corners (0, 1, 2) and of the edge midpoints opposite to them (3, 4, 5).
     pub limit: Vec<[f64; 6]>,
+}
+
+/// A point of quadrature of a Loop triangle.
+#[derive(Clone, Debug)]
+pub struct LoopPoint {
+    /// The share of the element's area that it stands for.
+    pub share: f64,
+    /// Its barycentric weights.
+    pub place: [f64; 3],
+    /// `[,1 ,2 ,11 ,22 ,12]` of each control point there.
+    pub rows: Vec<[f64; 5]>,
 }
 
 impl LoopBasis {
@@ -55,7 +65,7 @@ impl LoopBasis {
             (0..3).map(|i| patch.limit_corner(i)).chain(patch.limit_edges()).collect();
         let barycentre = transpose(&[&r1, &r2, &r11, &r22, &r12]);
         Self {
-            points: vec![(1.0, barycentre.clone())],
+            points: vec![LoopPoint { share: 1.0, place: [1.0 / 3.0; 3], rows: barycentre.clone() }],
             barycentre,
             area_points,
             limit: transpose(&std::array::from_fn::<_, 6, _>(|i| &limit[i])),
@@ -78,7 +88,11 @@ impl LoopBasis {
     /// The weights for a triangle with valences of six, with three points of quadrature (exact for quadratics).
     #[must_use]
     pub fn with_three_points() -> Self {
-        let third = |v: f64, w: f64| (1.0 / 3.0, Self::regular(v, w));
+        let third = |v: f64, w: f64| LoopPoint {
+            share: 1.0 / 3.0,
+            place: [1.0 - v - w, v, w],
+            rows: Self::regular(v, w),
+        };
         let (near, far) = (1.0 / 6.0, 2.0 / 3.0);
         Self {
             points: vec![third(near, near), third(far, near), third(near, far)],
@@ -312,7 +326,7 @@ pub(super) fn regular_lattice() -> Vec<crate::math::Vec3> {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::mesh::Rings;
+    use crate::mesh::{Rings, Section};
     use crate::model::element::{ElementPoints, SampledSurface};
     use crate::model::test_shells::TestShell;
 
@@ -399,7 +413,7 @@ mod tests {
         let (stencils, _) = elements(triangles, x.len());
         let bases = LoopBasis::of_stencils(&stencils);
         let points = ElementPoints::of_stencils(&stencils, &bases);
-        SampledSurface::new(triangles, &points, x.len()).at(x)
+        SampledSurface::new(triangles, &points, x.len(), &Section::uniform(1.0)).at(x)
     }
 
     /// A mesh and its subdivisions have the same limit points, and each vertex comes nearer to its own in powers

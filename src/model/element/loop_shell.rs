@@ -13,12 +13,12 @@
 use std::rc::Rc;
 
 use super::kinematics::{Derivatives, Row};
-use super::loop_patch::LoopBasis;
+use super::loop_patch::{LoopBasis, LoopPoint};
 use super::points::ascending;
 use super::wall_point::{Creases, WallPoint, bending_depth};
 use super::wall_state::{ShellState, states_of_triangles};
 use crate::math::{Reason, Rejected, Room, Vec3};
-use crate::mesh::Stencil;
+use crate::mesh::{Section, SectionPoint, Stencil};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::Material;
 use crate::model::system::Inadmissible;
@@ -32,12 +32,14 @@ pub struct LoopShell {
     basis: Vec<Vec<Row>>,
     /// Of each triangle how many points it has.
     counts: Vec<u8>,
-    material: Material,
+    /// Of each point.
+    sections: Vec<SectionPoint>,
+    materials: Vec<Material>,
     creased_share: f64,
 }
 
 impl LoopShell {
-    /// The wall of `thickness` (mm) over the triangles of `stencils`, with control points at `x` at rest.
+    /// The wall of `section`, made of `materials`, over the triangles of `stencils`, with control points at `x` at rest.
     ///
     /// # Errors
     /// [`Rejected`] when more than a tenth of the wall folds at rest more tightly than its thickness allows.
@@ -45,29 +47,33 @@ impl LoopShell {
         stencils: &[Stencil],
         bases: &[Rc<LoopBasis>],
         x: &[Vec3],
-        thickness: f64,
-        material: Material,
+        section: &Section,
+        materials: &[Material],
     ) -> Result<Self, Rejected> {
         let mut shell = Self {
             stencils: Vec::with_capacity(bases.len()),
             points: Vec::with_capacity(bases.len()),
             basis: Vec::with_capacity(bases.len()),
             counts: bases.iter().map(|basis| basis.points.len() as u8).collect(),
-            material,
+            sections: Vec::with_capacity(bases.len()),
+            materials: materials.to_vec(),
             creased_share: 0.0,
         };
         let mut creases = Creases::default();
-        for (stencil, basis) in stencils.iter().zip(bases) {
+        for (triangle, (stencil, basis)) in stencils.iter().zip(bases).enumerate() {
+            let corners = [stencil.nodes[0], stencil.nodes[1], stencil.nodes[2]];
             let positions: Vec<Vec3> = stencil.nodes.iter().map(|&v| x[v as usize]).collect();
             let area = basis.area(&positions);
-            for (share, rows) in &basis.points {
+            for LoopPoint { share, place, rows } in &basis.points {
                 let forms = Derivatives::new(rows, &positions).forms();
                 let forms = forms.map_err(|Inadmissible(what)| {
                     Rejected::new(Room::Model, Reason::DegenerateElement, what.to_owned(), 1.0)
                 })?;
-                let depth = bending_depth(forms, thickness);
+                let point = section.at(triangle, corners, *place);
+                let depth = bending_depth(forms, point.thickness);
                 let area = share * area;
-                shell.points.push(WallPoint::new(forms, area, thickness, depth));
+                shell.points.push(WallPoint::new(forms, area, point.thickness, depth));
+                shell.sections.push(point);
                 creases.add(area, depth);
                 let (nodes, weights) = ascending(&stencil.nodes, rows);
                 shell.stencils.push(nodes);
@@ -90,22 +96,24 @@ impl LoopShell {
         self.points.iter().map(WallPoint::volume).sum()
     }
 
-    /// What the wall of `thickness` (mm) bears in each triangle, with its control points at `reference` at rest and `x` now.
+    /// What the wall bears in each triangle, with its control points at `reference` at rest and `x` now.
     ///
     /// # Errors
     /// [`Inadmissible`] where an element has collapsed.
-    pub fn states(
-        &self,
-        reference: &[Vec3],
-        x: &[Vec3],
-        thickness: f64,
-    ) -> Result<Vec<ShellState>, Inadmissible> {
+    pub fn states(&self, reference: &[Vec3], x: &[Vec3]) -> Result<Vec<ShellState>, Inadmissible> {
         let forms = |s: usize, x: &[Vec3]| {
             let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
             Derivatives::new(&self.basis[s], &nodes).forms()
         };
-        let both = |s| Ok([forms(s, reference)?, forms(s, x)?]);
-        states_of_triangles(&self.counts, both, thickness, &self.material)
+        let state = |s| {
+            let [rest, now] = [forms(s, reference)?, forms(s, x)?];
+            Ok(ShellState::new(rest, now, self.sections[s].thickness, self.material(s)))
+        };
+        states_of_triangles(&self.counts, state)
+    }
+
+    fn material(&self, s: usize) -> &Material {
+        &self.materials[usize::from(self.sections[s].material)]
     }
 }
 
@@ -116,7 +124,7 @@ impl Term for LoopShell {
 
     fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
         let forms = Derivatives::new(&self.basis[s], x).forms()?;
-        self.points[s].energy(forms, &self.material)
+        self.points[s].energy(forms, self.material(s))
     }
 
     fn derivatives(
@@ -128,7 +136,7 @@ impl Term for LoopShell {
         let basis = &self.basis[s];
         let surface = Derivatives::new(basis, x);
         let energy =
-            self.points[s].derivatives(surface.forms()?, &self.material, local.with_hessian())?;
+            self.points[s].derivatives(surface.forms()?, self.material(s), local.with_hessian())?;
         surface.chain(&energy, basis, local);
         Ok(energy.value)
     }
@@ -178,7 +186,8 @@ mod tests {
                 stencils: vec![(0..flat.len() as u32).collect()],
                 points: vec![point],
                 basis: vec![rows.clone()],
-                material: NEO_HOOKEAN,
+                sections: vec![SectionPoint { thickness, material: 0 }],
+                materials: vec![NEO_HOOKEAN],
                 creased_share: 0.0,
             };
             for stretch in [Matrix2::new(1.0, 0.0, 0.0, 1.0), Matrix2::new(1.5, 0.3, -0.2, 0.8)] {

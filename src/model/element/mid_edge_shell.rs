@@ -14,8 +14,9 @@ use nalgebra::Matrix3;
 
 use super::mid_edge::{HalfTurn, MidEdge};
 use super::wall_point::{Creases, WallPoint, bending_depth};
-use super::wall_state::{ShellState, states_of_triangles};
+use super::wall_state::ShellState;
 use crate::math::{Reason, Rejected, Room, Vec3};
+use crate::mesh::{Section, SectionPoint};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::Material;
 use crate::model::system::Inadmissible;
@@ -29,13 +30,15 @@ pub struct MidEdgeShell {
     /// Where the curvature of an element counts from at each of its edges.
     rest: Vec<[HalfTurn; 3]>,
     points: Vec<WallPoint>,
-    material: Material,
+    /// Of each triangle.
+    sections: Vec<SectionPoint>,
+    materials: Vec<Material>,
     creased_share: f64,
 }
 
 impl MidEdgeShell {
-    /// The wall of `thickness` (mm) over `patches` ([`mid_edge_patches`]), with nodes at `x` at rest. Over a `sharp` edge (by its ends,
-    /// the lesser first) its faces keep their angle, as those of a stiff corner do, up to what the wall beside it bends.
+    /// The wall of `section`, made of `materials`, over `patches` ([`mid_edge_patches`]), with nodes at `x` at rest. Over a
+    /// `sharp` edge (by its ends, the lesser first) its faces keep their angle, as those of a stiff corner do, up to what the wall beside it bends.
     ///
     /// # Errors
     /// [`Rejected`] when a triangle has no area or two fold onto each other at rest, or when more than a tenth of the
@@ -44,19 +47,20 @@ impl MidEdgeShell {
         patches: &[[u32; 6]],
         sharp: &BTreeSet<[u32; 2]>,
         x: &[Vec3],
-        thickness: f64,
-        material: Material,
+        section: &Section,
+        materials: &[Material],
     ) -> Result<Self, Rejected> {
         let mut shell = Self {
             stencils: Vec::with_capacity(patches.len()),
             places: Vec::with_capacity(patches.len()),
             rest: Vec::with_capacity(patches.len()),
             points: Vec::with_capacity(patches.len()),
-            material,
+            sections: Vec::with_capacity(patches.len()),
+            materials: materials.to_vec(),
             creased_share: 0.0,
         };
         let mut creases = Creases::default();
-        for patch in patches {
+        for (triangle, patch) in patches.iter().enumerate() {
             let at_rest = patch.map(|v| x[v as usize]);
             let counted_from = |rest| {
                 MidEdge::new(&at_rest, rest).map_err(|Inadmissible(what)| {
@@ -73,8 +77,10 @@ impl MidEdgeShell {
             let geometry = counted_from(&rest)?;
             shell.rest.push(rest);
             let (forms, area) = (geometry.forms(), geometry.area());
-            let depth = bending_depth(forms, thickness);
-            shell.points.push(WallPoint::new(forms, area, thickness, depth));
+            let point = section.at(triangle, [patch[0], patch[1], patch[2]], [1.0 / 3.0; 3]);
+            let depth = bending_depth(forms, point.thickness);
+            shell.points.push(WallPoint::new(forms, area, point.thickness, depth));
+            shell.sections.push(point);
             creases.add(area, depth);
             let mut nodes = patch.to_vec();
             nodes.sort_unstable();
@@ -98,23 +104,24 @@ impl MidEdgeShell {
         self.points.iter().map(WallPoint::volume).sum()
     }
 
-    /// What the wall of `thickness` (mm) bears in each triangle, with its nodes at `reference` at rest and `x` now.
+    /// What the wall bears in each triangle, with its nodes at `reference` at rest and `x` now.
     ///
     /// # Errors
     /// [`Inadmissible`] where an element has collapsed.
-    pub fn states(
-        &self,
-        reference: &[Vec3],
-        x: &[Vec3],
-        thickness: f64,
-    ) -> Result<Vec<ShellState>, Inadmissible> {
+    pub fn states(&self, reference: &[Vec3], x: &[Vec3]) -> Result<Vec<ShellState>, Inadmissible> {
         let forms = |s: usize, x: &[Vec3]| {
             let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
             Ok(self.geometry(s, &nodes)?.forms())
         };
-        let both = |s| Ok([forms(s, reference)?, forms(s, x)?]);
-        let counts = vec![1; self.points.len()];
-        states_of_triangles(&counts, both, thickness, &self.material)
+        let state = |s| {
+            let [rest, now] = [forms(s, reference)?, forms(s, x)?];
+            Ok(ShellState::new(rest, now, self.sections[s].thickness, self.material(s)))
+        };
+        (0..self.points.len()).map(state).collect()
+    }
+
+    fn material(&self, s: usize) -> &Material {
+        &self.materials[usize::from(self.sections[s].material)]
     }
 
     fn geometry(&self, s: usize, x: &[Vec3]) -> Result<MidEdge, Inadmissible> {
@@ -148,7 +155,7 @@ impl Term for MidEdgeShell {
 
     fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
         let forms = self.geometry(s, x)?.forms();
-        self.points[s].energy(forms, &self.material)
+        self.points[s].energy(forms, self.material(s))
     }
 
     fn derivatives(
@@ -159,7 +166,7 @@ impl Term for MidEdgeShell {
     ) -> Result<f64, Inadmissible> {
         let geometry = self.geometry(s, x)?;
         let of_forms =
-            self.points[s].derivatives(geometry.forms(), &self.material, local.with_hessian())?;
+            self.points[s].derivatives(geometry.forms(), self.material(s), local.with_hessian())?;
         let places = &self.places[s];
         for (&place, part) in places.iter().zip(geometry.gradient(&of_forms.gradient)) {
             local.gradient_mut()[place] += part;
@@ -212,7 +219,7 @@ mod tests {
     fn wall(shell: &TestShell, sharp: &BTreeSet<[u32; 2]>) -> MidEdgeShell {
         let mesh = &shell.mesh;
         let patches = mid_edge_patches(&mesh.surface.triangles, &BTreeMap::new());
-        MidEdgeShell::new(&patches, sharp, &shell.reference, mesh.thickness, NEO_HOOKEAN).unwrap()
+        MidEdgeShell::new(&patches, sharp, &shell.reference, &mesh.section, &[NEO_HOOKEAN]).unwrap()
     }
 
     /// Every other edge of every triangle.
@@ -230,7 +237,14 @@ mod tests {
                 .map(|x| 6.0 * Vec3::from(x))
                 .to_vec();
         let positions = rest.iter().zip(&shell.deformed).map(|(x, y)| x + 0.1 * y).collect();
-        let term = MidEdgeShell::new(&patches, &BTreeSet::new(), &rest, 0.8, NEO_HOOKEAN).unwrap();
+        let term = MidEdgeShell::new(
+            &patches,
+            &BTreeSet::new(),
+            &rest,
+            &Section::uniform(0.8),
+            &[NEO_HOOKEAN],
+        )
+        .unwrap();
         Case { term, positions, motion: motion() }
     }
 
@@ -267,7 +281,14 @@ mod tests {
             let rest = at(std::f64::consts::FRAC_PI_2);
             let sharp = sharp.iter().copied().collect();
             let patch = [[0, 1, 2, 3, 4, 5]];
-            let shell = MidEdgeShell::new(&patch, &sharp, &rest, thickness, NEO_HOOKEAN).unwrap();
+            let shell = MidEdgeShell::new(
+                &patch,
+                &sharp,
+                &rest,
+                &Section::uniform(thickness),
+                &[NEO_HOOKEAN],
+            )
+            .unwrap();
             shell.energy(0, &at(std::f64::consts::FRAC_PI_2 + turn)).unwrap()
         };
         let q = 2.0 * (extra / 2.0).sin();
@@ -300,8 +321,8 @@ mod tests {
                 &[[0, 1, 2, 3, 4, 5]],
                 &BTreeSet::new(),
                 &flat,
-                thickness,
-                NEO_HOOKEAN,
+                &Section::uniform(thickness),
+                &[NEO_HOOKEAN],
             )
             .unwrap();
             let area = (flat[1] - flat[0]).cross(&(flat[2] - flat[0])).norm() / 2.0;
@@ -327,8 +348,8 @@ mod tests {
             &[[0, 1, 2, 3, 4, 5]],
             &BTreeSet::new(),
             &flat,
-            thickness,
-            NEO_HOOKEAN,
+            &Section::uniform(thickness),
+            &[NEO_HOOKEAN],
         )
         .unwrap();
         let on_cylinder =
@@ -395,11 +416,11 @@ mod tests {
         let patches = mid_edge_patches(&mesh.surface.triangles, &BTreeMap::new());
         let positions = &mesh.surface.positions;
         let shell =
-            MidEdgeShell::new(&patches, &BTreeSet::new(), positions, mesh.thickness, NEO_HOOKEAN)
+            MidEdgeShell::new(&patches, &BTreeSet::new(), positions, &mesh.section, &[NEO_HOOKEAN])
                 .unwrap();
         // Recorded from this code, to notice a change: 1.1 % creased. The volume is t A up to the curvature's square.
         assert!((0.005..0.02).contains(&shell.creased_share()), "{}", shell.creased_share());
-        let flat = mesh.surface.area() * mesh.thickness;
+        let flat = mesh.section.volume(&mesh.surface);
         assert!((shell.volume() / flat - 1.0).abs() < 1e-3, "{}", shell.volume());
     }
 
@@ -407,9 +428,14 @@ mod tests {
     fn collapsed_and_folded_elements_are_inadmissible() {
         let flat = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]]
             .map(|[x, y]| Vec3::new(x, y, 0.0));
-        let shell =
-            MidEdgeShell::new(&[[0, 1, 2, 3, 4, 5]], &BTreeSet::new(), &flat, 0.01, NEO_HOOKEAN)
-                .unwrap();
+        let shell = MidEdgeShell::new(
+            &[[0, 1, 2, 3, 4, 5]],
+            &BTreeSet::new(),
+            &flat,
+            &Section::uniform(0.01),
+            &[NEO_HOOKEAN],
+        )
+        .unwrap();
         // The neighbour below the edge from corner 0 to corner 1 turns about that edge.
         let folded = |turn: f64| {
             let mut x = flat;
@@ -430,8 +456,8 @@ mod tests {
             &[[0, 1, 2, 3, 4, 5]],
             &BTreeSet::new(),
             &collapsed,
-            0.01,
-            NEO_HOOKEAN,
+            &Section::uniform(0.01),
+            &[NEO_HOOKEAN],
         );
         assert_eq!(rejected.unwrap_err().reason, Reason::DegenerateElement);
     }

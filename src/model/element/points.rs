@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::loop_patch::LoopBasis;
 use crate::math::Vec3;
-use crate::mesh::{FACE_EDGES, Stencil};
+use crate::mesh::{FACE_EDGES, Section, Stencil};
 use crate::surface::TriangleMesh;
 
 /// One point of the surface: its weights on the nodes.
@@ -129,16 +129,24 @@ pub struct SampledSurface {
     pub facets: Vec<[u32; 3]>,
     /// How many of the samples are vertices.
     pub vertices: usize,
+    /// Of each sample how thick the wall is there at rest, mm.
+    pub thickness: Vec<f64>,
 }
 
 impl SampledSurface {
-    /// The points of `triangles` over the vertices `0..vertices`.
+    /// The points of `triangles` over the vertices `0..vertices` of a wall of `section`.
     ///
     /// # Panics
     /// When a vertex has no triangle.
     #[must_use]
-    pub fn new(triangles: &[[u32; 3]], points: &[ElementPoints], vertices: usize) -> Self {
+    pub fn new(
+        triangles: &[[u32; 3]],
+        points: &[ElementPoints],
+        vertices: usize,
+        section: &Section,
+    ) -> Self {
         let mut samples: Vec<Option<Sample>> = vec![None; vertices];
+        let mut thickness: Vec<f64> = (0..vertices as u32).map(|v| section.thickness(v)).collect();
         let mut edges = BTreeMap::new();
         let mut facets = Vec::with_capacity(4 * triangles.len());
         for (corners, points) in triangles.iter().zip(points) {
@@ -149,6 +157,7 @@ impl SampledSurface {
                     let [a, b] = [corners[(point + 1) % 3], corners[(point + 2) % 3]];
                     *edges.entry([a.min(b), a.max(b)]).or_insert_with(|| {
                         samples.push(None);
+                        thickness.push(0.5 * (section.thickness(a) + section.thickness(b)));
                         samples.len() - 1
                     })
                 };
@@ -158,7 +167,7 @@ impl SampledSurface {
             facets.extend(SUBTRIANGLES.map(|facet| facet.map(|point| local[point])));
         }
         let samples = samples.into_iter().map(|s| s.expect("every vertex has a triangle"));
-        Self { samples: samples.collect(), facets, vertices }
+        Self { samples: samples.collect(), facets, vertices, thickness }
     }
 
     /// The surface where the nodes are at `positions`, finer than its facets: over each triangle the quadratic through its six points,
@@ -203,6 +212,12 @@ impl SampledSurface {
             }
         }
         fine
+    }
+
+    /// Thickness of the wall where it is thickest, mm.
+    #[must_use]
+    pub fn thickest(&self) -> f64 {
+        self.thickness.iter().copied().fold(0.0, f64::max)
     }
 
     /// The points where the nodes are at `positions`, mm.

@@ -68,23 +68,19 @@ impl ShellState {
     }
 }
 
-/// The forms at rest and now of each point of a shell, with the material there, become the states of the triangles, which have as many
-/// points as `counts` says.
+/// The states of triangles, each the mean of its points' `state`; they have as many points as `counts` says, one after the other.
 ///
 /// # Errors
 /// [`Inadmissible`] where an element has collapsed.
 pub(super) fn states_of_triangles(
     counts: &[u8],
-    forms: impl Fn(usize) -> Result<[[Form; 2]; 2], Inadmissible>,
-    thickness: f64,
-    material: &Material,
+    state: impl Fn(usize) -> Result<ShellState, Inadmissible>,
 ) -> Result<Vec<ShellState>, Inadmissible> {
     let mut next = 0;
     let of_triangle = |count: &u8| {
         let points = next..next + usize::from(*count);
         next = points.end;
-        let state = |s| forms(s).map(|[rest, now]| ShellState::new(rest, now, thickness, material));
-        Ok(ShellState::mean(&points.map(state).collect::<Result<Vec<_>, _>>()?))
+        Ok(ShellState::mean(&points.map(&state).collect::<Result<Vec<_>, _>>()?))
     };
     counts.iter().map(of_triangle).collect()
 }

@@ -39,7 +39,25 @@ rubbers! {
     ogden: Ogden,
 }
 
+/// A wall of one material.
+impl AsRef<[Material]> for Material {
+    fn as_ref(&self) -> &[Material] {
+        std::slice::from_ref(self)
+    }
+}
+
 impl Material {
+    /// The one of `materials` with the greatest Young's modulus at rest.
+    ///
+    /// # Panics
+    /// When there is none.
+    #[must_use]
+    pub fn stiffest(materials: &[Self]) -> &Self {
+        let modulus = |material: &&Self| material.young_modulus();
+        let stiffest = materials.iter().max_by(|a, b| modulus(a).total_cmp(&modulus(b)));
+        stiffest.expect("a wall has a material")
+    }
+
     /// The stretch `l3` across the wall, with derivatives at invariants `T` and `J`.
     ///
     /// It is `1 / sqrt J` where the law is incompressible and 1 for [`StVenantKirchhoff`].

@@ -15,8 +15,19 @@ use crate::surface::{RemeshSettings, TriangleMesh, intersecting_pairs, isosurfac
 /// The shell of a closed part; the observer is warned of edges that its triangles cannot keep.
 ///
 /// # Errors
-/// When its surface cannot be made, or is not one of a shell; or the part is a patch.
+/// When its surface cannot be made, or is not one of a shell; the part is a patch; or a region is wrong somewhere.
 pub(crate) fn shell(
+    scene: &SceneFile,
+    source: &PartSource<'_>,
+    observer: &dyn Observer,
+) -> anyhow::Result<ShellMesh> {
+    let mesh = plain_shell(scene, source, observer)?;
+    let section = scene.regions()?.of_shell(&mesh, source.placed().moved)?;
+    Ok(ShellMesh { section, ..mesh })
+}
+
+/// The shell as it is without regions.
+fn plain_shell(
     scene: &SceneFile,
     source: &PartSource<'_>,
     observer: &dyn Observer,

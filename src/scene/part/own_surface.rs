@@ -113,13 +113,14 @@ pub(crate) fn judged(
         percent.abs() <= MOST_VOLUME,
         "{name}: the shell encloses {volume:.1} mm^3, the file's triangles {of_file:.1} mm^3, {percent:+.1} % where {MOST_VOLUME} % are allowed; {advice}"
     );
-    let longest = quality.edge_max / mesh.thickness;
+    let [thinnest, _] = mesh.section.thickness_range();
+    let longest = quality.edge_max / thinnest;
     ensure!(
         longest <= LONGEST_EDGE,
         "{name}: an edge is {:.1} mm long, {longest:.0} wall thicknesses where {LONGEST_EDGE:.0} are allowed; {advice}",
         quality.edge_max
     );
-    let mean = quality.edge_mean / mesh.thickness;
+    let mean = quality.edge_mean / thinnest;
     let has_sharp_edges = !as_given && !mesh.sharp_edges.is_empty();
     let told = if percent.abs() > told_volume {
         format!(

@@ -1,6 +1,6 @@
 //! `[solid]`: the wall of a closed part in tetrahedra, made without a human.
 
-use anyhow::{anyhow, ensure};
+use anyhow::{Context, anyhow, ensure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ use crate::math::Rejected;
 use crate::mesh::tetrahedra::{
     Attempt, Filled, TetMesher, TetQuality, TetSettings, Unfilled, filled_wall,
 };
-use crate::mesh::{ShellMesh, SolidMesh, WallSettings, wall_surfaces};
+use crate::mesh::{Section, ShellMesh, SolidMesh, WallSettings, wall_surfaces};
 use crate::model::material::Material;
 use crate::model::{PartModel, PartSetup, SolidLoads};
 use crate::scene::checks::check_distance;
@@ -166,15 +166,16 @@ impl From<Attempt> for AttemptReport {
 }
 
 impl SolidPart {
-    /// The wall of `thickness` (mm) around the middle of a `shell`.
+    /// The wall around the middle of a `shell` of the section `of_shell`.
     ///
     /// # Errors
-    /// When a mesher cannot be run. A wall that cannot be meshed is the inner [`Rejected`].
+    /// When a mesher cannot be run, or the wall is not of one thickness. A wall that cannot be meshed is the inner [`Rejected`].
     pub(crate) fn new(
         shell: &PartModel,
-        thickness: f64,
+        of_shell: &Section,
         section: &SolidSection,
     ) -> anyhow::Result<Result<Self, Rejected>> {
+        let thickness = of_shell.uniform_thickness().context(ONE_THICKNESS)?;
         let (tetgen, hxt, delaunay) =
             (TetGen::default(), Gmsh::new(Algorithm::Hxt), Gmsh::new(Algorithm::Delaunay));
         let meshers: &[&dyn TetMesher] = match section.mesher {
@@ -227,9 +228,14 @@ impl SolidPart {
         let loads = SolidLoads { held, shown, ..SolidLoads::default() };
         // Folds are those of middles of walls.
         let setup = PartSetup { folds: None, ..setup.clone() };
-        PartModel::of_solid(&self.mesh, shell.thickness, material, &loads, &setup)
+        let [_, thickest] = shell.section.thickness_range();
+        PartModel::of_solid(&self.mesh, thickest, material, &loads, &setup)
     }
 }
+
+/// What is said of a solid around a wall that is not everywhere as thick.
+pub(crate) const ONE_THICKNESS: &str =
+    "a [solid] wants a wall of one thickness; leave out the thickness of each [[region]]";
 
 impl SolidReport {
     pub(crate) fn in_words(&self) -> String {

@@ -19,7 +19,7 @@ use crate::surface::TriangleMesh;
 /// Writes the mid-surface at rest as `surface.stl`, and both faces of the wall around it as `wall.stl`.
 pub(crate) fn write_surface(folder: &Path, mesh: &ShellMesh) -> Result<(), OutputError> {
     stl::write(&folder.join("surface.stl"), &mesh.surface)?;
-    stl::write(&folder.join("wall.stl"), &mesh.surface.wall(mesh.thickness))
+    stl::write(&folder.join("wall.stl"), &mesh.surface.wall(|v| mesh.section.thickness(v)))
 }
 
 /// Writes `<name>.pvd` with one picture for each of `points`: a shell's middle with what its wall bears; of a solid that shows the

@@ -90,7 +90,7 @@ pub(crate) fn computed(
     Ok(Some(Shape {
         reference: flat(&mesh.surface.positions),
         triangles: mesh.surface.triangles.concat(),
-        thickness: mesh.thickness,
+        thickness: mesh.section.thickness_range()[1],
         scenarios: scenarios.with_models().map(scenario).collect(),
     }))
 }

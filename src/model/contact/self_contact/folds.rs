@@ -14,8 +14,6 @@ use crate::model::system::{Limit, LimitKind};
 #[derive(Clone, Debug)]
 pub(in crate::model) struct FoldWatch {
     points: Arc<[ElementPoints]>,
-    /// mm.
-    pub(in crate::model) thickness: f64,
     surface: Arc<OnceLock<Arc<WallSurface>>>,
 }
 
@@ -24,22 +22,21 @@ const NEAR: f64 = 0.5;
 
 impl FoldWatch {
     /// Of a wall with the triangles' `points`.
-    pub(in crate::model) fn new(points: Vec<ElementPoints>, thickness: f64) -> Self {
-        Self { points: points.into(), thickness, surface: Arc::default() }
+    pub(in crate::model) fn new(points: Vec<ElementPoints>) -> Self {
+        Self { points: points.into(), surface: Arc::default() }
     }
 
     /// The surface of the wall of `body`.
     pub(super) fn surface(&self, body: &Body) -> Arc<WallSurface> {
-        let made = || {
-            WallSurface::new(&self.points, &body.surface, &body.reference, self.thickness).into()
-        };
+        let made = || WallSurface::new(&self.points, &body.surface, &body.reference).into();
         self.surface.get_or_init(made).clone()
     }
 
-    /// The smallest gap between faces that are no neighbours, mm; `None` if none is below half the thickness.
+    /// The smallest gap between faces that are no neighbours, mm; `None` if none is below half the greatest thickness.
     pub(in crate::model) fn smallest_gap(&self, at: &Configuration<'_>) -> Option<f64> {
-        let near = NEAR * self.thickness;
-        let search = Search::within(self.thickness + near);
+        let thickest = at.body.surface.thickest();
+        let near = NEAR * thickest;
+        let search = Search::within(thickest + near);
         self.smallest_gap_below(near, search, at).map(|(gap, _)| gap)
     }
 
@@ -73,7 +70,7 @@ impl PartTerm for FoldWatch {
     }
 
     fn passed_limit(&self, at: &Configuration<'_>) -> Option<Limit> {
-        let search = Search::for_touch(self.thickness);
+        let search = Search::for_touch(at.body.surface.thickest());
         let (_, node) = self.smallest_gap_below(0.0, search, at)?;
         Some(Limit { kind: LimitKind::SelfTouch, unknown: 3 * node as usize })
     }

@@ -13,6 +13,7 @@ use super::pair_term::PairTerm;
 use super::wall_contact::WallContact;
 use super::wall_surface::{Kind, Search, WallSurface};
 use crate::math::Vec3;
+use crate::mesh::Section;
 use crate::model::element::{ElementPoints, SampledSurface};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::term_suite::{self, Case};
@@ -284,8 +285,9 @@ fn sheets(cells: [usize; 2], sizes: [f64; 2], rest_gap: f64, thickness: f64) -> 
     }
     let points: Vec<ElementPoints> =
         triangles.iter().map(|&triangle| ElementPoints::of_facet(triangle)).collect();
-    let surface = SampledSurface::new(&triangles, &points, nodes.len());
-    let wall = WallSurface::new(&points, &surface, &nodes, thickness);
+    let section = Section::uniform(thickness);
+    let surface = SampledSurface::new(&triangles, &points, nodes.len(), &section);
+    let wall = WallSurface::new(&points, &surface, &nodes);
     Sheets { wall: Arc::new(wall), nodes, lower_nodes }
 }
 

@@ -66,6 +66,7 @@ pub(super) struct WallSurface {
     leaves: Vec<u32>,
     /// Samples at rest, mm.
     rest: Vec<Vec3>,
+    /// Where the wall is thickest, mm.
     pub(super) thickness: f64,
     /// Share of the reference area of each sample, mm^2.
     pub(super) areas: Vec<f64>,
@@ -146,8 +147,8 @@ impl WallSurface {
         points: &[ElementPoints],
         surface: &SampledSurface,
         reference: &[Vec3],
-        thickness: f64,
     ) -> Self {
+        let thickness = surface.thickest();
         let rest = surface.at(reference);
         let edges = edges(surface, &rest);
         let triangles = triangles(surface, &edges);
@@ -242,22 +243,20 @@ impl WallSurface {
         });
     }
 
-    /// How thick the wall counts at a sample, mm.
-    pub(super) fn thickness_at(&self, sample: u32) -> f64 {
-        self.thickness.min(REST_SHARE * self.room[sample as usize])
+    /// Half the thickness of the wall where it is thickest among `samples`, mm.
+    fn half_thickness(&self, samples: &[u32]) -> f64 {
+        let thickness = samples.iter().map(|&v| self.surface.thickness[v as usize]);
+        0.5 * thickness.fold(0.0, f64::max)
     }
 
     /// How thick the wall counts for `couple`, and its distance at rest, mm.
     pub(super) fn thickness_of(&self, couple: &Couple) -> [f64; 2] {
-        match couple.kind {
-            Kind::PointFacet { .. } => {
-                [self.thickness_at(couple.samples[0]), self.room[couple.samples[0] as usize]]
-            }
-            Kind::Edges { .. } => {
-                let room = couple.closest(&self.rest).distance;
-                [self.thickness.min(REST_SHARE * room), room]
-            }
-        }
+        let room = match couple.kind {
+            Kind::PointFacet { .. } => self.room[couple.samples[0] as usize],
+            Kind::Edges { .. } => couple.closest(&self.rest).distance,
+        };
+        let [one, other] = couple.sides().map(|samples| self.half_thickness(samples));
+        [(one + other).min(REST_SHARE * room), room]
     }
 
     /// The node that moves a sample most.
@@ -357,6 +356,12 @@ impl Couple {
     /// Its closest points where the samples are at `x`.
     pub(super) fn closest(&self, x: &[Vec3]) -> Closest {
         self.kind.closest(&self.samples.map(|v| x[v as usize]))
+    }
+
+    /// The samples of one part and of the other.
+    fn sides(&self) -> [&[u32]; 2] {
+        let (one, other) = self.samples.split_at(self.kind.first());
+        [one, other]
     }
 }
 
