@@ -39,11 +39,20 @@ struct Instruction {
 }
 
 impl CompiledNetwork {
-    /// The instructions for `network`.
+    /// The instructions for the field of `network`.
     #[must_use]
     pub fn new(network: &Network) -> Self {
+        Self::of_node(network, network.output())
+    }
+
+    /// The instructions for the value of one node of `network`.
+    ///
+    /// # Panics
+    /// When it has no such node.
+    #[must_use]
+    pub fn of_node(network: &Network, output: usize) -> Self {
         let nodes = network.nodes();
-        let live = live_nodes(nodes, network.output());
+        let live = live_nodes(nodes, output);
         let on_z = depends_on(nodes, Coordinate::Z);
         let on_theta = depends_on(nodes, Coordinate::Theta);
         let (late, early): (Vec<_>, Vec<_>) =
@@ -51,7 +60,7 @@ impl CompiledNetwork {
         let mut compiled = Self {
             length_unit_mm: network.length_unit_mm(),
             input_biases: network.input_biases(),
-            uses_theta: on_theta[network.output()],
+            uses_theta: on_theta[output],
             instructions: Vec::new(),
             links: Vec::new(),
             z_free: early.len(),

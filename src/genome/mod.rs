@@ -11,6 +11,6 @@ mod paper;
 
 pub use activation::Activation;
 pub use bounds::{Bounds, BoundsError};
-pub use network::{Aggregation, Coordinate, Link, Network, NetworkError, Node, Source};
+pub use network::{Aggregation, Coordinate, Link, Network, NetworkError, Node, Source, WallNodes};
 pub use network_draft::{InputBiases, NetworkDraft, NodeDraft};
 pub use paper::{GENES, Gene, Genome, GenomeError};

@@ -27,6 +27,33 @@ pub struct Network {
     input_biases: [f64; 5],
     nodes: Vec<Node>,
     output: usize,
+    wall: WallNodes<usize>,
+}
+
+/// The nodes that say what the wall is made of, at a point of its middle: by name, or by index.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct WallNodes<N> {
+    /// Its thickness, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<N>,
+    /// It is of the second material where this is positive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<N>,
+}
+
+impl<N> WallNodes<N> {
+    /// Whether none says anything.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.thickness.is_none() && self.material.is_none()
+    }
+
+    /// The same nodes, each told by what `other` makes of it.
+    pub fn map<M>(self, other: impl Fn(N) -> M) -> WallNodes<M> {
+        let WallNodes { thickness, material } = self;
+        WallNodes { thickness: thickness.map(&other), material: material.map(&other) }
+    }
 }
 
 /// One node of a checked network.
@@ -165,10 +192,34 @@ impl Network {
         self.output
     }
 
+    /// The indices of the nodes that say what the wall is made of.
+    #[must_use]
+    pub fn wall(&self) -> WallNodes<usize> {
+        self.wall
+    }
+
     /// The text of the network file, which parses back to the same network.
     #[must_use]
     pub fn to_toml(&self) -> String {
         NetworkDraft::from(self).to_toml()
+    }
+
+    /// The same network, its nodes in this `order`.
+    fn reordered(self, order: &[usize]) -> Self {
+        let mut place = vec![0; order.len()];
+        for (new, &old) in order.iter().enumerate() {
+            place[old] = new;
+        }
+        let mut numbered: Vec<_> = self.nodes.into_iter().enumerate().collect();
+        numbered.sort_by_key(|&(old, _)| place[old]);
+        let mut nodes: Vec<_> = numbered.into_iter().map(|(_, node)| node).collect();
+        for link in nodes.iter_mut().flat_map(|node| &mut node.links) {
+            if let Source::Node(index) = &mut link.source {
+                *index = place[*index];
+            }
+        }
+        let (output, wall) = (place[self.output], self.wall.map(|node| place[node]));
+        Self { nodes, output, wall, ..self }
     }
 }
 
@@ -198,15 +249,24 @@ impl TryFrom<NetworkDraft> for Network {
             .iter()
             .map(|node| checked_node(node, &indices))
             .collect::<Result<Vec<_>, _>>()?;
-        let output = match &draft.output {
-            Some(name) => *indices.get(name.as_str()).ok_or_else(|| {
+        let named = |name: &String| {
+            indices.get(name.as_str()).copied().ok_or_else(|| {
                 let hint = hint(name, indices.keys().copied());
                 NetworkError::UnknownOutput { name: name.clone(), hint }
-            })?,
+            })
+        };
+        let wall = WallNodes {
+            thickness: draft.wall.thickness.as_ref().map(named).transpose()?,
+            material: draft.wall.material.as_ref().map(named).transpose()?,
+        };
+        let output = match &draft.output {
+            Some(name) => named(name)?,
             None => nodes.len().checked_sub(1).ok_or(NetworkError::Empty)?,
         };
         let order = evaluation_order(&nodes)?;
-        Ok(reordered(draft.length_unit_mm, input_biases, nodes, output, &order))
+        let network =
+            Self { length_unit_mm: draft.length_unit_mm, input_biases, nodes, output, wall };
+        Ok(network.reordered(&order))
     }
 }
 
@@ -342,28 +402,6 @@ fn node_sources(node: &Node) -> impl Iterator<Item = usize> + '_ {
     })
 }
 
-fn reordered(
-    length_unit_mm: f64,
-    input_biases: [f64; 5],
-    nodes: Vec<Node>,
-    output: usize,
-    order: &[usize],
-) -> Network {
-    let mut place = vec![0; nodes.len()];
-    for (new, &old) in order.iter().enumerate() {
-        place[old] = new;
-    }
-    let mut numbered: Vec<_> = nodes.into_iter().enumerate().collect();
-    numbered.sort_by_key(|&(old, _)| place[old]);
-    let mut nodes: Vec<_> = numbered.into_iter().map(|(_, node)| node).collect();
-    for link in nodes.iter_mut().flat_map(|node| &mut node.links) {
-        if let Source::Node(index) = &mut link.source {
-            *index = place[*index];
-        }
-    }
-    Network { length_unit_mm, input_biases, nodes, output: place[output] }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -405,6 +443,18 @@ mod tests {
         let again: Network = network.to_toml().parse().unwrap();
         assert_eq!(again, network);
         assert_eq!(again.to_toml(), network.to_toml());
+    }
+
+    /// Nodes of the wall are found in the new order, written and read; a name that is no node is told.
+    #[test]
+    fn the_wall_has_nodes_of_its_own() {
+        let with =
+            |wall: &str| SHUFFLED.replacen("[[node]]", &format!("[wall]\n{wall}\n[[node]]"), 1);
+        let network: Network = with("thickness = \"a\"\nmaterial = \"b\"").parse().unwrap();
+        assert_eq!(network.wall(), WallNodes { thickness: Some(0), material: Some(1) });
+        assert_eq!(network.to_toml().parse::<Network>().unwrap(), network);
+        let error = with("thickness = \"bb\"").parse::<Network>().unwrap_err().to_string();
+        assert_eq!(error, "output `bb` is not a node; did you mean `b`?");
     }
 
     #[test]

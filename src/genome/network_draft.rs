@@ -4,6 +4,10 @@
 //! length_unit_mm = 10.0     # coordinates are centimetres (the default)
 //! output = "chamber"        # the last node of the file if not given
 //!
+//! [wall]                    # nodes that say what the wall is made of, on its middle; left out, it is the same everywhere
+//! thickness = "relief"      # mm
+//! material = "side"         # the second material where it is positive
+//!
 //! [inputs]                  # a bias added to each coordinate: x, y, z, theta, r; 0 if not given
 //! z = 0.5
 //!
@@ -26,7 +30,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::activation::Activation;
-use super::network::{Aggregation, Coordinate, Network, Source};
+use super::network::{Aggregation, Coordinate, Network, Source, WallNodes};
 
 /// A network file: becomes a [`Network`] by `Network::try_from`, which checks it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,6 +42,9 @@ pub struct NetworkDraft {
     /// The name of the node whose value is the field; the last node of the file where it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output: Option<String>,
+    /// What the wall is made of; it is the same everywhere where it is left out.
+    #[serde(default, skip_serializing_if = "WallNodes::is_empty")]
+    pub wall: WallNodes<String>,
     /// What is added to each coordinate.
     #[serde(default)]
     pub inputs: InputBiases,
@@ -99,6 +106,7 @@ impl From<&Network> for NetworkDraft {
         Self {
             length_unit_mm: network.length_unit_mm(),
             output: Some(network.nodes()[network.output()].name.clone()),
+            wall: network.wall().map(|node| network.nodes()[node].name.clone()),
             inputs: InputBiases { x, y, z, theta, r },
             nodes: network.nodes().iter().map(draft).collect(),
         }
@@ -112,6 +120,15 @@ impl NetworkDraft {
         let mut text = format!("length_unit_mm = {:?}\n", self.length_unit_mm);
         if let Some(output) = &self.output {
             push_line(&mut text, format_args!("output = \"{output}\""));
+        }
+        if !self.wall.is_empty() {
+            text.push_str("\n[wall]\n");
+            let WallNodes { thickness, material } = &self.wall;
+            for (name, node) in [("thickness", thickness), ("material", material)] {
+                if let Some(node) = node {
+                    push_line(&mut text, format_args!("{name} = \"{node}\""));
+                }
+            }
         }
         text.push_str("\n[inputs]\n");
         let InputBiases { x, y, z, theta, r } = self.inputs;

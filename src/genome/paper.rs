@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::activation::Activation;
-use super::network::{Aggregation, Network};
+use super::network::{Aggregation, Network, WallNodes};
 use super::network_draft::{InputBiases, NetworkDraft, NodeDraft};
 
 /// One number of a genome.
@@ -111,6 +111,7 @@ impl Genome {
         let draft = NetworkDraft {
             length_unit_mm: 10.0,
             output: Some("chamber".to_owned()),
+            wall: WallNodes::default(),
             inputs: InputBiases { x: bx, y: by, z: bz, theta: bt, r: 0.0 },
             nodes: vec![
                 sum("x-squared", Activation::Squared, &[("x", w1)], b1),
