@@ -29,12 +29,12 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use pneumorph::batch::{Executor, Next, Serial, Threads};
-use pneumorph::fitness::{CandidateSettings, Outcome, evaluate_network};
-use pneumorph::genome::{Bounds, Genome};
+use pneumorph::fitness::{CandidateSettings, Outcome, evaluate_genome};
+use pneumorph::genome::{Paper, PaperGenome, Representation};
 use pneumorph::math::Room;
 use pneumorph::math::random::{Purpose, Stream};
 use pneumorph::model::material::{Material, Ogden};
-use pneumorph::solve::{Backend, Path, PathSettings};
+use pneumorph::solve::{Backend, Path, PathSettings, Stop};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -113,20 +113,18 @@ fn arguments() -> Result<Arguments, Failure> {
     }
 }
 
-fn genomes(arguments: &Arguments) -> Vec<Genome> {
+fn genomes(arguments: &Arguments) -> Vec<PaperGenome> {
     let stream = Stream::new(arguments.seed);
-    let bounds = Bounds::default();
-    (0..arguments.count)
-        .map(|i| bounds.uniform(&mut stream.keyed(Purpose::Creation, 0, i)))
-        .collect()
+    let paper = Paper::default();
+    (0..arguments.count).map(|i| paper.random(&mut stream.keyed(Purpose::Creation, 0, i))).collect()
 }
 
 fn settings(backend: Backend) -> CandidateSettings {
     CandidateSettings::new(Material::Ogden(Ogden::ninjaflex_c2s()), backend)
 }
 
-fn design(genome: &Genome, settings: &CandidateSettings) -> Design {
-    let candidate = match evaluate_network(&genome.decode(), settings) {
+fn design(genome: &PaperGenome, settings: &CandidateSettings) -> Design {
+    let candidate = match evaluate_genome(&Paper::default(), genome, settings, Stop::NEVER) {
         Ok(candidate) => candidate,
         Err(failure) => return Design::Broken(failure.to_string()),
     };
@@ -171,8 +169,8 @@ fn way(path: &Path, largest: f64) -> Way {
 
 /// Every design of `genomes`, in their order, by `executor`.
 fn designs(
-    executor: &dyn Executor<Genome, Design>,
-    genomes: &[Genome],
+    executor: &dyn Executor<PaperGenome, Design>,
+    genomes: &[PaperGenome],
     settings: &CandidateSettings,
     what: &str,
 ) -> Result<Vec<Design>, Failure> {
@@ -193,7 +191,7 @@ fn designs(
         .collect())
 }
 
-fn campaign(genomes: &[Genome]) -> Result<(), Failure> {
+fn campaign(genomes: &[PaperGenome]) -> Result<(), Failure> {
     let start = Instant::now();
     let found = designs(&Threads::new(2)?, genomes, &settings(Backend::Native), "native")?;
     let wall = start.elapsed().as_secs_f64();
@@ -299,8 +297,8 @@ fn median_and_largest(mut values: Vec<f64>) -> [f64; 2] {
     [at(values.len() / 2), at(values.len().saturating_sub(1))]
 }
 
-fn compare_with_petsc(genomes: &[Genome], native: &[Design]) -> Result<(), Failure> {
-    let tenth: Vec<Genome> = genomes.iter().step_by(10).cloned().collect();
+fn compare_with_petsc(genomes: &[PaperGenome], native: &[Design]) -> Result<(), Failure> {
+    let tenth: Vec<PaperGenome> = genomes.iter().step_by(10).cloned().collect();
     // PETSc is one to a process; and one thread, so that its clock sees everything.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()?;
     let run = || designs(&Serial, &tenth, &settings(Backend::Petsc), "PETSc");
@@ -335,10 +333,10 @@ fn changes(a: &Walk, b: &Walk) -> Option<[f64; 2]> {
     Some([change(0), change(1)])
 }
 
-fn study_of_steps(genomes: &[Genome], factor: f64) -> Result<(), Failure> {
+fn study_of_steps(genomes: &[PaperGenome], factor: f64) -> Result<(), Failure> {
     let threads = Threads::new(2)?;
     let usual = settings(Backend::Native);
-    let mut studied: Vec<(usize, Genome, Walk)> = Vec::new();
+    let mut studied: Vec<(usize, PaperGenome, Walk)> = Vec::new();
     for (k, chunk) in genomes.chunks(20).enumerate() {
         let found = designs(&threads, chunk, &usual, "usual steps")?;
         for (i, walk) in walks(&found).into_iter().filter(|(_, walk)| walk.objectives.is_some()) {
@@ -349,7 +347,7 @@ fn study_of_steps(genomes: &[Genome], factor: f64) -> Result<(), Failure> {
         }
     }
     studied.truncate(STUDIED);
-    let again: Vec<Genome> = studied.iter().map(|(_, genome, _)| genome.clone()).collect();
+    let again: Vec<PaperGenome> = studied.iter().map(|(_, genome, _)| genome.clone()).collect();
     let path = usual.load.path;
     let times = |scale: f64| ((path.steps as f64 * scale).round() as usize).max(1);
     // The smallest step is a power of two.

@@ -4,11 +4,11 @@
 
 #![allow(clippy::print_stdout, reason = "it is a program that prints a table")]
 
-use pneumorph::fitness::{CandidateSettings, Outcome, evaluate_network};
-use pneumorph::genome::Bounds;
+use pneumorph::fitness::{CandidateSettings, Outcome, evaluate_genome};
+use pneumorph::genome::{Paper, Representation};
 use pneumorph::math::random::{Purpose, Stream};
 use pneumorph::model::material::{Material, Ogden};
-use pneumorph::solve::Backend;
+use pneumorph::solve::{Backend, Stop};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -25,13 +25,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // One thread, so that its clock sees everything.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let stream = Stream::new(1);
-    let bounds = Bounds::default();
+    let paper = Paper::default();
     let mut columns: [Vec<f64>; 6] = Default::default();
     let mut tried = 0;
     println!("  genome unknowns Newton  meshing assembly factorization   rest  total  outcome");
     while columns[0].len() < wanted {
-        let genome = bounds.uniform(&mut stream.keyed(Purpose::Creation, 0, tried));
-        let candidate = pool.install(|| evaluate_network(&genome.decode(), &settings))?;
+        let genome = paper.random(&mut stream.keyed(Purpose::Creation, 0, tried));
+        let evaluated = || evaluate_genome(&paper, &genome, &settings, Stop::NEVER);
+        let candidate = pool.install(evaluated)?;
         let s = candidate.seconds;
         let total = s.meshing + s.assembly + s.factorization + s.rest;
         let (unknowns, newton, what) = match &candidate.outcome {

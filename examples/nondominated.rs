@@ -7,7 +7,8 @@
 
 #![allow(clippy::print_stdout, reason = "it is a program that prints a line")]
 
-use pneumorph::evolve::{Bounds, Breeding, Evaluation, Nsga2, Nsga2Settings, hypervolume};
+use pneumorph::evolve::{Breeding, Evaluation, Nsga2, Nsga2Settings, hypervolume};
+use pneumorph::genome::Bounds;
 
 /// Both objectives, to be made small.
 fn zdt1(x: &[f64]) -> Vec<f64> {

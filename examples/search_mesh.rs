@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use pneumorph::fitness::{CandidateSettings, Evaluation, Outcome, evaluate_network};
-use pneumorph::genome::{Bounds, Network, NetworkDraft};
+use pneumorph::genome::{Network, NetworkDraft, Paper, Representation};
 use pneumorph::io::toml_file;
 use pneumorph::math::random::{Purpose, Stream};
 use pneumorph::model::material::{Material, Ogden};
@@ -40,11 +40,11 @@ fn designs(wanted: &[String]) -> anyhow::Result<Vec<(String, Network)>> {
     let [count] = wanted else { return wanted.iter().map(|path| named(path)).collect() };
     let Ok(count) = count.parse::<usize>() else { return Ok(vec![named(count)?]) };
     let stream = Stream::new(1);
-    let bounds = Bounds::default();
+    let paper = Paper::default();
     let mut found = Vec::new();
     for tried in 0.. {
-        let genome = bounds.uniform(&mut stream.keyed(Purpose::Creation, 0, tried));
-        let network = genome.decode();
+        let genome = paper.random(&mut stream.keyed(Purpose::Creation, 0, tried));
+        let network = paper.express(&genome);
         if evaluated(&network, EDGES[0])?.is_some() {
             found.push((format!("random-{tried}"), network));
         }

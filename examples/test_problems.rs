@@ -15,7 +15,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use anyhow::{Context, ensure};
-use pneumorph::evolve::{Bounds, Breeding, Evaluation, Nsga2, Nsga2Settings};
+use pneumorph::evolve::{Breeding, Evaluation, Nsga2, Nsga2Settings};
+use pneumorph::genome::Bounds;
 use serde_json::json;
 
 struct Problem {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use pneumorph::field::{CappedField, CompiledNetwork, DesignBox};
-use pneumorph::genome::Bounds;
+use pneumorph::genome::{Paper, Representation};
 use pneumorph::io::gmsh::{Algorithm, Gmsh};
 use pneumorph::io::tetgen::TetGen;
 use pneumorph::math::random::{Purpose, Stream};
@@ -29,16 +29,16 @@ fn main() {
         Some("tetgen") => &[&tetgen],
         Some(_) => &[&hxt, &delaunay],
     };
-    let (stream, bounds) = (Stream::new(1), Bounds::default());
+    let (stream, paper) = (Stream::new(1), Paper::default());
     let mut endings: BTreeMap<String, usize> = BTreeMap::new();
     let mut seconds = Vec::new();
     for i in 0.. {
         if seconds.len() as u64 == genomes {
             break;
         }
-        let genome = bounds.uniform(&mut stream.keyed(Purpose::Creation, 0, i));
+        let genome = paper.random(&mut stream.keyed(Purpose::Creation, 0, i));
         let settings = MeshSettings::default();
-        let network = CompiledNetwork::new(&genome.decode());
+        let network = CompiledNetwork::new(&paper.express(&genome));
         let field = CappedField::new(network, DesignBox::default(), settings.rim_radius).unwrap();
         let Ok(middle) = surface_of_field(&field, &settings) else { continue };
         let start = Instant::now();

@@ -18,7 +18,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a program that prints tables")]
 
 use pneumorph::field::{CappedField, CompiledNetwork, DesignBox, ScalarField};
-use pneumorph::genome::Bounds;
+use pneumorph::genome::{Paper, Representation};
 use pneumorph::math::random::{Purpose, Stream};
 use pneumorph::math::{Rejected, Vec3, cpu_seconds};
 use pneumorph::mesh::{
@@ -71,14 +71,14 @@ fn arguments() -> Result<Arguments, Failure> {
 
 fn campaign(arguments: &Arguments) -> Result<(), Failure> {
     let stream = Stream::new(arguments.seed);
-    let bounds = Bounds::default();
+    let paper = Paper::default();
     let shell = MeshSettings::default();
     let finer = MeshSettings { edge: FINER, ..shell };
     let (mut valid, mut coarse, mut found) = (0, 0, Vec::new());
     let mut genome = 0;
     while valid < arguments.count {
-        let network = bounds.uniform(&mut stream.keyed(Purpose::Creation, 0, genome)).decode();
-        let compiled = CompiledNetwork::new(&network);
+        let random = paper.random(&mut stream.keyed(Purpose::Creation, 0, genome));
+        let compiled = CompiledNetwork::new(&paper.express(&random));
         let field = CappedField::new(compiled, DesignBox::default(), shell.rim_radius)?;
         if shell_of_field(&field, &shell, &ShellSettings::default()).is_ok() {
             valid += 1;

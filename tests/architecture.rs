@@ -77,6 +77,9 @@ fn violations(path: &str, source: &str) -> Vec<String> {
                 check_geometry(path, &code, &mut broken);
                 check_decorators(path, shipped, &mut broken);
             }
+            if room == "evolve" {
+                check_phenotypes(path, shipped, &mut broken);
+            }
         }
     }
     broken
@@ -157,6 +160,16 @@ fn check_geometry(path: &str, code: &str, broken: &mut Vec<String>) {
         if line.contains("triangle") {
             let number = index + 1;
             broken.push(format!("{path}:{number}: `solve` has never heard of a triangle"));
+        }
+    }
+}
+
+/// Evolution has genomes; what they stand for is for an evaluation to ask.
+fn check_phenotypes(path: &str, code: &str, broken: &mut Vec<String>) {
+    for word in ["Network", "Phenotype", "express"] {
+        for at in word_positions(code, word) {
+            let line = line_of(code, at);
+            broken.push(format!("{path}:{line}: `evolve` never asks what a genome stands for"));
         }
     }
 }
@@ -430,6 +443,15 @@ fn a_solver_that_knows_geometry_is_reported() {
     assert_broken("src/solve/a.rs", "fn f(mesh: &TriangleMesh) {}", "never heard of a triangle");
     assert_kept("src/solve/a.rs", "/// The lower triangle.\nfn lower_triangle() {}");
     assert_kept("src/model/a.rs", "fn f(triangle: [u32; 3]) {}");
+}
+
+#[test]
+fn an_evolution_that_knows_phenotypes_is_reported() {
+    assert_broken("src/evolve/a.rs", "use crate::genome::Network;", "what a genome stands for");
+    assert_broken("src/evolve/a.rs", "fn f() { r.express(&g) }", "what a genome stands for");
+    assert_kept("src/evolve/a.rs", "use crate::genome::Representation; // Network");
+    assert_kept("src/evolve/a_tests.rs", "fn f() { r.express(&g) }");
+    assert_kept("src/fitness/a.rs", "fn f() { r.express(&g) }");
 }
 
 #[test]

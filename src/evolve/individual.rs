@@ -1,4 +1,4 @@
-//! One candidate: its name, its genes, and how good it was found.
+//! One candidate: its name, its genome, and how good it was found.
 
 use std::fmt;
 use std::str::FromStr;
@@ -57,11 +57,11 @@ impl TryFrom<String> for IndividualId {
 
 /// An individual that waits for its evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Candidate {
+pub struct Candidate<G> {
     /// Its name.
     pub id: IndividualId,
-    /// Its genes `[gene]`, within their bounds.
-    pub genome: Vec<f64>,
+    /// What it has inherited.
+    pub genome: G,
 }
 
 /// How good an individual was found.
@@ -119,11 +119,11 @@ impl Evaluation {
 
 /// An evaluated individual.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Individual {
+pub struct Individual<G> {
     /// Its name.
     pub id: IndividualId,
-    /// Its genes `[gene]`, within their bounds.
-    pub genome: Vec<f64>,
+    /// What it has inherited.
+    pub genome: G,
     /// How good it is.
     pub evaluation: Evaluation,
 }

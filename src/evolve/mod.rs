@@ -1,7 +1,7 @@
-//! Who survives? NSGA-II on bounded real genes: several objectives made small, and one constraint violation.
+//! Who survives? NSGA-II: several objectives made small, and one constraint violation.
 //!
 //! [`Nsga2`] is asked for candidates and told how good they are; where and how they are evaluated is not its affair,
-//! and it never learns what a gene means.
+//! and of a genome it knows what its [`Representation`](crate::genome::Representation) does with it.
 //!
 //! # Decisions
 //! - All chance is keyed by (purpose, generation, individual): asking changes nothing, and a checkpoint holds no generator.
@@ -16,7 +16,8 @@
 //!   crossover, tournaments by domination alone (ZDT1 0.8391, ZDT3 1.285 after 10,000) and from permutations (ZDT2 0.212).
 //! - Of two individuals that tie in everything the younger survives: on a plateau of equal violation the search drifts on.
 
-mod bounds;
+#[cfg(test)]
+mod bit_string_tests;
 mod checkpoint;
 mod crowding;
 mod dominance;
@@ -26,18 +27,12 @@ mod nsga2;
 mod selection;
 mod settings;
 mod spread;
-mod variation;
 
-pub use bounds::{Bounds, InvalidBounds};
 pub use checkpoint::{Checkpoint, InvalidCheckpoint};
 pub use crowding::{crowding_distances, most_even};
 pub use dominance::{dominates, fronts, pareto_dominates, weakly_dominates};
 pub use hypervolume::hypervolume;
 pub use individual::{Candidate, Evaluation, Individual, IndividualId, InvalidId};
 pub use nsga2::Nsga2;
-pub use settings::{Breeding, Crossover, InvalidSettings, Mutation, Nsga2Settings, Survival};
+pub use settings::{Breeding, InvalidSettings, Nsga2Settings, Survival};
 pub use spread::{Adaptation, spread};
-pub use variation::{
-    adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
-    uniform_genome,
-};

@@ -1,7 +1,7 @@
 //! NSGA-II: elitist non-dominated sorting, asked for a generation and told how good it is.
 //!
 //! ```text
-//! generation 0:  uniform in the bounds
+//! generation 0:  random
 //! generation g:  parents by tournament -> children by crossover and mutation
 //!                population = best of (population + children)
 //! ```
@@ -9,35 +9,31 @@
 //! Source: Deb, Pratap, Agarwal, Meyarivan (2002), IEEE Trans. Evol. Comput. 6:182-197.
 //! Settings make it behave as MATLAB's `gamultiobj`, which limits the share of the best front and adapts its mutation.
 
-use rand::RngExt;
+use rand::{Rng, RngExt};
 
-use super::bounds::Bounds;
 use super::checkpoint::{Checkpoint, InvalidCheckpoint};
 use super::individual::{Candidate, Evaluation, Individual, IndividualId};
 use super::selection::{Ranking, controlled_survivors, survivors};
-use super::settings::{Breeding, Crossover, InvalidSettings, Mutation, Nsga2Settings, Survival};
+use super::settings::{Breeding, InvalidSettings, Nsga2Settings, Survival};
 use super::spread::{Adaptation, spread};
-use super::variation::{
-    adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
-    uniform_genome,
-};
+use crate::genome::Representation;
 use crate::math::random::{Purpose, Stream};
 
 /// A run of NSGA-II between two generations.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Nsga2 {
+pub struct Nsga2<R: Representation> {
     settings: Nsga2Settings,
-    bounds: Bounds,
+    representation: R,
     objectives: usize,
     /// Generations told so far.
     generation: usize,
     /// Empty before the first generation is told, then of the size that the settings say.
-    population: Vec<Individual>,
+    population: Vec<Individual<R::Genome>>,
     adaptation: Adaptation,
 }
 
-impl Nsga2 {
-    /// A run before its first generation, over genomes within `bounds` and with this number of `objectives`.
+impl<R: Representation> Nsga2<R> {
+    /// A run before its first generation, over genomes of a `representation` and with this number of `objectives`.
     ///
     /// # Errors
     /// [`InvalidSettings`] as [`Nsga2Settings::validate`] says.
@@ -46,31 +42,31 @@ impl Nsga2 {
     /// When `objectives` is 0.
     pub fn new(
         settings: Nsga2Settings,
-        bounds: Bounds,
+        representation: R,
         objectives: usize,
     ) -> Result<Self, InvalidSettings> {
         assert!(objectives > 0, "a run has objectives");
         settings.validate()?;
-        let adaptation = Adaptation::FIRST;
-        Ok(Self { settings, bounds, objectives, generation: 0, population: vec![], adaptation })
+        let (generation, population, adaptation) = (0, Vec::new(), Adaptation::FIRST);
+        Ok(Self { settings, representation, objectives, generation, population, adaptation })
     }
 
     /// The run that a checkpoint was taken of.
     ///
     /// # Errors
     /// [`InvalidCheckpoint`] when its format is another or its parts contradict each other.
-    pub fn resume(checkpoint: Checkpoint) -> Result<Self, InvalidCheckpoint> {
+    pub fn resume(checkpoint: Checkpoint<R>) -> Result<Self, InvalidCheckpoint> {
         checkpoint.check()?;
-        let Checkpoint { settings, bounds, objectives, generation, population, adaptation, .. } =
-            checkpoint;
-        Ok(Self { settings, bounds, objectives, generation, population, adaptation })
+        let Checkpoint { settings, representation, objectives, generation, .. } = checkpoint;
+        let Checkpoint { population, adaptation, .. } = checkpoint;
+        Ok(Self { settings, representation, objectives, generation, population, adaptation })
     }
 
     /// The next generation's candidates `[population]`, in the order of their ids.
     ///
     /// Asking changes nothing: the answer is the same until the run is told.
     #[must_use]
-    pub fn ask(&self) -> Vec<Candidate> {
+    pub fn ask(&self) -> Vec<Candidate<R::Genome>> {
         let ranking = Ranking::of(&self.population);
         (0..self.settings.population)
             .map(|index| Candidate {
@@ -131,24 +127,30 @@ impl Nsga2 {
         &self.settings
     }
 
+    /// What the genomes of the run are.
+    #[must_use]
+    pub fn representation(&self) -> &R {
+        &self.representation
+    }
+
     /// The survivors of the last generation told, the best first; none before the first.
     #[must_use]
-    pub fn population(&self) -> &[Individual] {
+    pub fn population(&self) -> &[Individual<R::Genome>] {
         &self.population
     }
 
     /// The feasible survivors that no other dominates, by rising first objective; none if all are infeasible.
     #[must_use]
-    pub fn front(&self) -> Vec<&Individual> {
+    pub fn front(&self) -> Vec<&Individual<R::Genome>> {
         let ranking = Ranking::of(&self.population);
-        let mut front: Vec<&Individual> = self
+        let mut front: Vec<_> = self
             .population
             .iter()
             .zip(ranking.rank)
             .filter(|(individual, rank)| *rank == 0 && individual.evaluation.is_feasible())
             .map(|(individual, _)| individual)
             .collect();
-        let first = |individual: &Individual| individual.evaluation.objectives[0];
+        let first = |one: &Individual<R::Genome>| one.evaluation.objectives[0];
         front.sort_by(|a, b| first(a).total_cmp(&first(b)).then(a.id.cmp(&b.id)));
         front
     }
@@ -165,11 +167,12 @@ impl Nsga2 {
 
     /// All that the run needs to go on.
     #[must_use]
-    pub fn checkpoint(&self) -> Checkpoint {
+    pub fn checkpoint(&self) -> Checkpoint<R> {
         Checkpoint {
-            format: Checkpoint::FORMAT,
+            format: Checkpoint::<R>::FORMAT,
             settings: self.settings.clone(),
-            bounds: self.bounds.clone(),
+            key: Some(self.representation.key().to_owned()),
+            representation: self.representation.clone(),
             objectives: self.objectives,
             generation: self.generation,
             population: self.population.clone(),
@@ -178,15 +181,15 @@ impl Nsga2 {
     }
 
     /// The genome of candidate `index` of the next generation.
-    fn genome(&self, index: usize, ranking: &Ranking) -> Vec<f64> {
+    fn genome(&self, index: usize, ranking: &Ranking) -> R::Genome {
         let stream = Stream::new(self.settings.seed);
         let rng = |purpose| stream.keyed(purpose, self.generation as u64, index as u64);
         if self.population.is_empty() {
-            return uniform_genome(&self.bounds, &mut rng(Purpose::Creation));
+            return self.representation.random(&mut rng(Purpose::Creation));
         }
         let (mut selection, mut variation) = (rng(Purpose::Selection), rng(Purpose::Variation));
         let mut child = || self.child(index, ranking, &mut selection, &mut variation);
-        let is_new = |child: &Vec<f64>| self.population.iter().all(|one| one.genome != *child);
+        let is_new = |child: &R::Genome| self.population.iter().all(|one| one.genome != *child);
         // A copy would be an evaluation wasted; where all draws are copies, the last one is taken.
         (1..DRAWS).map(|_| child()).find(is_new).unwrap_or_else(&mut child)
     }
@@ -196,53 +199,27 @@ impl Nsga2 {
         &self,
         index: usize,
         ranking: &Ranking,
-        selection: &mut impl rand::Rng,
-        variation: &mut impl rand::Rng,
-    ) -> Vec<f64> {
+        selection: &mut impl Rng,
+        variation: &mut impl Rng,
+    ) -> R::Genome {
         let [first, second] =
-            ranking.two_parents(selection).map(|parent| &self.population[parent].genome[..]);
+            ranking.two_parents(selection).map(|parent| &self.population[parent].genome);
+        let operators = self.settings.operators(self.adaptation.step);
         match self.settings.breeding {
             Breeding::CrossoverOrMutation => {
                 if index < self.settings.mutants(self.generation) {
-                    self.mutant(first, variation)
+                    self.representation.mutate(first, &operators, variation)
                 } else {
-                    self.mixture([first, second], variation)
+                    self.representation.mix([first, second], &operators, variation)
                 }
             }
             Breeding::CrossoverThenMutation => {
                 if variation.random_bool(self.settings.crossover_probability) {
-                    let child = self.mixture([first, second], variation);
-                    self.mutant(&child, variation)
+                    let child = self.representation.mix([first, second], &operators, variation);
+                    self.representation.mutate(&child, &operators, variation)
                 } else {
-                    self.mutant(first, variation)
+                    self.representation.mutate(first, &operators, variation)
                 }
-            }
-        }
-    }
-
-    /// A child of two parents, by the crossover of the settings.
-    fn mixture(&self, parents: [&[f64]; 2], rng: &mut impl rand::Rng) -> Vec<f64> {
-        match self.settings.crossover {
-            Crossover::Sbx => {
-                let [child, _] =
-                    sbx_crossover(parents, &self.bounds, self.settings.crossover_eta, rng);
-                child
-            }
-            Crossover::Intermediate => intermediate_crossover(parents, rng),
-        }
-    }
-
-    /// A child of one parent, by the mutation of the settings.
-    fn mutant(&self, parent: &[f64], rng: &mut impl rand::Rng) -> Vec<f64> {
-        match self.settings.mutation {
-            Mutation::Polynomial => {
-                let one_gene = 1.0 / self.bounds.genes() as f64;
-                let probability = self.settings.mutation_probability.unwrap_or(one_gene);
-                let eta = self.settings.mutation_eta;
-                polynomial_mutation(parent, &self.bounds, eta, probability, rng)
-            }
-            Mutation::AdaptiveFeasible => {
-                adaptive_feasible_mutation(parent, &self.bounds, self.adaptation.step, rng)
             }
         }
     }
@@ -255,6 +232,7 @@ const DRAWS: usize = 20;
 mod tests {
     use super::super::hypervolume::hypervolume;
     use super::*;
+    use crate::genome::{Bounds, Crossover};
 
     struct Problem {
         bounds: Vec<(f64, f64)>,
@@ -296,16 +274,16 @@ mod tests {
         Nsga2Settings { breeding: Breeding::CrossoverThenMutation, ..settings(generations) }
     }
 
-    fn start(problem: &Problem, settings: Nsga2Settings) -> Nsga2 {
+    fn start(problem: &Problem, settings: Nsga2Settings) -> Nsga2<Bounds> {
         Nsga2::new(settings, Bounds::new(problem.bounds.clone()).unwrap(), 2).unwrap()
     }
 
-    fn step(problem: &Problem, run: &mut Nsga2) {
+    fn step(problem: &Problem, run: &mut Nsga2<Bounds>) {
         let evaluations = run.ask().iter().map(|c| (problem.evaluate)(&c.genome)).collect();
         run.tell(evaluations);
     }
 
-    fn finished(problem: &Problem, settings: Nsga2Settings) -> Nsga2 {
+    fn finished(problem: &Problem, settings: Nsga2Settings) -> Nsga2<Bounds> {
         let mut run = start(problem, settings);
         while !run.is_finished() {
             step(problem, &mut run);
@@ -313,7 +291,7 @@ mod tests {
         run
     }
 
-    fn front_points(run: &Nsga2) -> Vec<[f64; 2]> {
+    fn front_points(run: &Nsga2<Bounds>) -> Vec<[f64; 2]> {
         run.front()
             .iter()
             .map(|individual| {
@@ -344,7 +322,7 @@ mod tests {
         2.0 * length / (4.0 * 60.0)
     }
 
-    fn assert_hypervolume(run: &Nsga2, reference: [f64; 2], exact: f64, loss: f64) {
+    fn assert_hypervolume(run: &Nsga2<Bounds>, reference: [f64; 2], exact: f64, loss: f64) {
         let found = hypervolume(&front_points(run), &reference);
         // No front can have more than the exact one.
         assert!(
@@ -441,7 +419,7 @@ mod tests {
         for generation in 0..5 {
             let candidates = run.ask();
             assert_eq!(candidates, run.ask());
-            assert!(candidates.iter().all(|c| run.bounds.contain(&c.genome)));
+            assert!(candidates.iter().all(|c| run.representation.contains(&c.genome)));
             assert_eq!(candidates[17].id.to_string(), format!("g00{generation}-017"));
             step(&problem, &mut run);
         }
@@ -462,7 +440,7 @@ mod tests {
                 }
             }
             // JSON keeps every bit: it writes the shortest decimal that reads as the same number, and -0.0.
-            let json = |run: &Nsga2| serde_json::to_string(&run.checkpoint()).unwrap();
+            let json = |run: &Nsga2<Bounds>| serde_json::to_string(&run.checkpoint()).unwrap();
             assert!(json(&run) == json(&uninterrupted), "the resumed run went another way");
         }
     }
@@ -471,9 +449,10 @@ mod tests {
     fn a_checkpoint_that_contradicts_itself_is_refused() {
         let mut run = start(&zdt1(), settings(5));
         step(&zdt1(), &mut run);
-        type Damage = fn(&mut Checkpoint);
-        let damages: [(Damage, &str); 11] = [
+        type Damage = fn(&mut Checkpoint<Bounds>);
+        let damages: [(Damage, &str); 12] = [
             (|c| c.format = 1, "format is 1"),
+            (|c| c.key = Some("paper-22".to_owned()), "`paper-22`, not `real-vector`"),
             (|c| c.adaptation.step = 2.0, "its step is 2"),
             (|c| c.adaptation.spread = f64::NAN, "its spread NaN"),
             (|c| c.settings.population = 2, "`population` is 2"),
@@ -491,6 +470,9 @@ mod tests {
             let error = Nsga2::resume(checkpoint).unwrap_err().to_string();
             assert!(error.contains(sentence), "{error}");
         }
+        // Earlier versions wrote no key.
+        let without_key = Checkpoint { key: None, ..run.checkpoint() };
+        assert_eq!(Nsga2::resume(without_key), Ok(run.clone()));
         assert_eq!(Nsga2::resume(run.checkpoint()), Ok(run));
     }
 
@@ -536,7 +518,7 @@ mod tests {
             };
             let mut run = start(&zdt1(), settings);
             step(&zdt1(), &mut run);
-            let differing = |child: &Candidate, parent: &Individual| {
+            let differing = |child: &Candidate<Vec<f64>>, parent: &Individual<Vec<f64>>| {
                 child.genome.iter().zip(&parent.genome).filter(|(c, p)| c != p).count()
             };
             let least: Vec<usize> = run

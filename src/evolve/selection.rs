@@ -25,7 +25,7 @@ pub(super) struct Ranking {
 
 impl Ranking {
     /// The standing of each member of `population`.
-    pub(super) fn of(population: &[Individual]) -> Self {
+    pub(super) fn of<G>(population: &[Individual<G>]) -> Self {
         let evaluations: Vec<_> =
             population.iter().map(|individual| &individual.evaluation).collect();
         let mut rank = vec![0; population.len()];
@@ -79,7 +79,10 @@ fn draw_another(count: usize, taken: usize, rng: &mut impl Rng) -> usize {
 
 /// The best `count` of `population`, the best first; of equals the younger. Of the front that has too many, those live that lie most
 /// evenly ([`most_even`]).
-pub(super) fn survivors(population: Vec<Individual>, count: usize) -> Vec<Individual> {
+pub(super) fn survivors<G: Clone>(
+    population: Vec<Individual<G>>,
+    count: usize,
+) -> Vec<Individual<G>> {
     chosen(population, count, |left| left)
 }
 
@@ -88,20 +91,20 @@ pub(super) fn survivors(population: Vec<Individual>, count: usize) -> Vec<Indivi
 ///
 /// Source: Deb and Goel (2001), "Controlled elitist non-dominated sorting genetic algorithms for better convergence", EMO;
 /// their reduction rate is `1 - share`.
-pub(super) fn controlled_survivors(
-    population: Vec<Individual>,
+pub(super) fn controlled_survivors<G: Clone>(
+    population: Vec<Individual<G>>,
     count: usize,
     share: f64,
-) -> Vec<Individual> {
+) -> Vec<Individual<G>> {
     chosen(population, count, |left| ((share * left as f64).round() as usize).max(1))
 }
 
 /// The best `count`, where a front of the feasible takes at most `quota` of the places left.
-fn chosen(
-    mut population: Vec<Individual>,
+fn chosen<G: Clone>(
+    mut population: Vec<Individual<G>>,
     count: usize,
     quota: impl Fn(usize) -> usize,
-) -> Vec<Individual> {
+) -> Vec<Individual<G>> {
     population.sort_by_key(|individual| std::cmp::Reverse(individual.id));
     let ranking = Ranking::of(&population);
     let mut order: Vec<usize> = (0..population.len()).collect();
@@ -137,19 +140,19 @@ mod tests {
     use super::super::individual::{Evaluation, IndividualId};
     use super::*;
 
-    fn population(evaluations: Vec<Evaluation>) -> Vec<Individual> {
+    fn population(evaluations: Vec<Evaluation>) -> Vec<Individual<()>> {
         evaluations
             .into_iter()
             .enumerate()
             .map(|(index, evaluation)| Individual {
                 id: IndividualId { generation: 0, index },
-                genome: vec![],
+                genome: (),
                 evaluation,
             })
             .collect()
     }
 
-    fn mixed() -> Vec<Individual> {
+    fn mixed() -> Vec<Individual<()>> {
         population(vec![
             Evaluation::infeasible(2.0),
             Evaluation::feasible(vec![0.0, 10.0]),
@@ -162,7 +165,7 @@ mod tests {
         ])
     }
 
-    fn indices(population: &[Individual]) -> Vec<usize> {
+    fn indices(population: &[Individual<()>]) -> Vec<usize> {
         population.iter().map(|individual| individual.id.index).collect()
     }
 
@@ -191,7 +194,7 @@ mod tests {
             controlled_survivors(population(fronts.collect()), count, 0.5)
         };
         // Of twelve in fronts of four: half of six, half of the three left, and the one.
-        let front_of = |one: &Individual| one.id.index / 4;
+        let front_of = |one: &Individual<()>| one.id.index / 4;
         assert_eq!(crowd(6).iter().map(front_of).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 2]);
         assert_eq!(crowd(12).len(), 12);
         assert_eq!(controlled_survivors(mixed(), 8, 1.0), survivors(mixed(), 8));

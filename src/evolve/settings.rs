@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::genome::{Crossover, Mutation, Operators};
+
 /// The settings of NSGA-II; every default is meant to be used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -53,26 +55,6 @@ pub enum Breeding {
     /// (1.1, 6): median hypervolume of 8 seeds 5.93, against 5.44 with the shares 0.8 then 0.2, and 5.68 with the
     /// shares reversed; 6.27 is the largest possible.
     CrossoverThenMutation,
-}
-
-/// How two parents are mixed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Crossover {
-    /// Simulated binary crossover.
-    Sbx,
-    /// A random point between the parents, gene by gene.
-    Intermediate,
-}
-
-/// How one parent is changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Mutation {
-    /// Some genes, each by a polynomially distributed step.
-    Polynomial,
-    /// All genes, by one step in a random direction, as long as the front's spread tells.
-    AdaptiveFeasible,
 }
 
 /// Who lives on.
@@ -147,6 +129,19 @@ impl Nsga2Settings {
         probability("mutation_share_before", self.mutation_share_before)?;
         probability("mutation_share_after", self.mutation_share_after)?;
         probability("crossover_probability", self.crossover_probability)
+    }
+
+    /// How a representation makes children, with adaptive mutations of this `step`, in widths of the bounds.
+    #[must_use]
+    pub fn operators(&self, step: f64) -> Operators {
+        Operators {
+            crossover: self.crossover,
+            crossover_eta: self.crossover_eta,
+            mutation: self.mutation,
+            mutation_eta: self.mutation_eta,
+            mutation_probability: self.mutation_probability,
+            step,
+        }
     }
 
     /// The number of children made by mutation among those of `generation`, under `crossover_or_mutation`.

@@ -47,11 +47,18 @@ impl CappedField {
         design_box: DesignBox,
         rim_radius: f64,
     ) -> Result<Self, RimError> {
-        let limit = (design_box.sides().min() / 2.0).min(SATURATION);
-        if !(0.0..limit).contains(&rim_radius) {
-            return Err(RimError { rim_radius, limit });
-        }
+        Self::check_rim(design_box, rim_radius)?;
         Ok(Self { network, design_box, rim_radius })
+    }
+
+    /// Whether rims of `design_box` can be rounded at `rim_radius` mm.
+    ///
+    /// # Errors
+    /// [`RimError`] when the radius is negative or opposite faces would meet in one rim.
+    pub fn check_rim(design_box: DesignBox, rim_radius: f64) -> Result<(), RimError> {
+        let limit = (design_box.sides().min() / 2.0).min(SATURATION);
+        let fits = (0.0..limit).contains(&rim_radius);
+        if fits { Ok(()) } else { Err(RimError { rim_radius, limit }) }
     }
 
     /// The box, mm.

@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::field::{CompiledNetwork, DesignBox, GridSamples};
-use crate::genome::Bounds;
+use crate::genome::{Paper, Representation};
 
 /// What a coarse look at one design shows.
 struct Shape {
@@ -123,10 +123,10 @@ fn components(
 
 #[test]
 fn most_random_genomes_are_sound_and_varied_chambers() {
-    let bounds = Bounds::default();
+    let paper = Paper::default();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let shapes: Vec<_> = (0..GENOMES)
-        .map(|_| shape(&CompiledNetwork::new(&bounds.uniform(&mut rng).decode())))
+        .map(|_| shape(&CompiledNetwork::new(&paper.express(&paper.random(&mut rng)))))
         .collect();
     let sound: Vec<_> = shapes.iter().filter(|shape| shape.sound).collect();
     let share = |n: usize, of: usize| n as f64 / of as f64;

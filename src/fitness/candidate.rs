@@ -1,4 +1,4 @@
-//! From a network to its outcome: all rooms in a row.
+//! From a genome or a network to its outcome: all rooms in a row.
 
 use super::evaluate::evaluate;
 use super::outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
@@ -6,7 +6,7 @@ use super::part::ShellPart;
 use super::settings::{FitnessSettings, LoadSettings};
 use super::walk::Scenarios;
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
-use crate::genome::Network;
+use crate::genome::{Network, Representation};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use crate::model::material::Material;
@@ -66,7 +66,7 @@ pub struct Candidate {
 /// [`Rejected`] when it is no chamber or cannot be meshed.
 ///
 /// # Panics
-/// When the rim radius does not fit the design box: check the settings first with [`CappedField::new`].
+/// When the rim radius does not fit the design box: check the settings first with [`CappedField::check_rim`].
 pub fn shell_of_network(
     network: &Network,
     settings: &CandidateSettings,
@@ -75,6 +75,19 @@ pub fn shell_of_network(
     let field = CappedField::new(compiled, settings.design_box, settings.mesh.rim_radius)
         .expect("the settings were checked");
     shell_of_field(&field, &settings.mesh, &settings.wall)
+}
+
+/// Builds and evaluates what a `genome` stands for, until `stop` wants it to end.
+///
+/// # Errors
+/// [`Unevaluated`] when a library fails, or it was stopped.
+pub fn evaluate_genome<R: Representation<Phenotype = Network>>(
+    representation: &R,
+    genome: &R::Genome,
+    settings: &CandidateSettings,
+    stop: Stop<'_>,
+) -> Result<Candidate, Unevaluated> {
+    evaluate_network_until(&representation.express(genome), settings, stop)
 }
 
 /// Builds and evaluates one network.

@@ -19,7 +19,8 @@ mod turning;
 mod walk;
 
 pub use candidate::{
-    Candidate, CandidateSettings, evaluate_network, evaluate_network_until, shell_of_network,
+    Candidate, CandidateSettings, evaluate_genome, evaluate_network, evaluate_network_until,
+    shell_of_network,
 };
 pub use evaluate::evaluate;
 pub use evaluation::{Evaluation, ScenarioEnding};

@@ -1,129 +1,187 @@
-//! The box in gene space from which genomes are drawn.
+//! Real vectors within bounds: the genomes of test functions, and what others are made of.
 
-use std::collections::BTreeMap;
+use rand::Rng;
+use serde::{Deserialize, Serialize};
 
-use rand::{Rng, RngExt};
+use super::representation::{Crossover, Mutation, Operators, Representation};
+use super::variation::{
+    adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
+    uniform_genome,
+};
 
-use super::paper::{GENES, Genome};
-
-/// Least and greatest value of each gene, in the order of [`GENES`].
-#[derive(Clone, Debug, PartialEq)]
+/// The closed interval of each gene; written as a list of pairs `[[lower, upper], ...]`.
+///
+/// As a [`Representation`] its genomes are the real vectors `[gene]` in it, which stand for
+/// themselves. Equal bounds fix a gene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Vec<(f64, f64)>", try_from = "Vec<(f64, f64)>")]
 pub struct Bounds {
-    intervals: Vec<[f64; 2]>,
+    intervals: Vec<(f64, f64)>,
 }
 
-/// Why bounds are refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum BoundsError {
-    /// Not a gene.
-    #[error("there is no gene `{name}`; the genes are {}", gene_names())]
-    UnknownGene {
-        /// The name that was not found.
-        name: String,
-    },
-    /// Not an interval.
-    #[error("gene {name}: [{lower}, {upper}] is not an interval of finite numbers")]
-    Interval {
-        /// The gene.
-        name: String,
-        /// Its least value.
-        lower: f64,
-        /// Its greatest value.
-        upper: f64,
-    },
-}
-
-impl Default for Bounds {
-    fn default() -> Self {
-        Self { intervals: GENES.iter().map(|gene| [gene.lower, gene.upper]).collect() }
-    }
-}
+/// Bounds between which no gene can vary; one sentence says which and why.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct InvalidBounds(pub(super) String);
 
 impl Bounds {
-    /// The default bounds with those in `overrides` replaced: gene name to `[lower, upper]`.
+    /// The bounds `(lower, upper)` of each gene `[gene]`; equal ones fix a gene.
     ///
     /// # Errors
-    /// [`BoundsError`] for an unknown gene, and for what is not an interval. `lower = upper` fixes a gene.
-    pub fn with_overrides(overrides: &BTreeMap<String, [f64; 2]>) -> Result<Self, BoundsError> {
-        let mut bounds = Self::default();
-        for (name, &[lower, upper]) in overrides {
-            let index = GENES
-                .iter()
-                .position(|gene| gene.name == name)
-                .ok_or_else(|| BoundsError::UnknownGene { name: name.clone() })?;
-            if !((upper - lower).is_finite() && lower <= upper) {
-                return Err(BoundsError::Interval { name: name.clone(), lower, upper });
+    /// [`InvalidBounds`] when a width is negative or not finite, or when no gene is free.
+    pub fn new(intervals: Vec<(f64, f64)>) -> Result<Self, InvalidBounds> {
+        for (gene, (lower, upper)) in intervals.iter().enumerate() {
+            let width = upper - lower;
+            if !(width.is_finite() && width >= 0.0) {
+                return Err(InvalidBounds(format!(
+                    "gene {gene} is bounded by {lower} and {upper}, but the second must be finite and not below the first"
+                )));
             }
-            bounds.intervals[index] = [lower, upper];
+        }
+        let bounds = Self { intervals };
+        if bounds.free_genes().next().is_none() {
+            return Err(InvalidBounds(
+                "no gene is free: at least one upper bound must lie above its lower bound"
+                    .to_owned(),
+            ));
         }
         Ok(bounds)
     }
 
-    /// `[lower, upper]` of each gene, in the order of [`GENES`].
+    /// The number of genes.
     #[must_use]
-    pub fn intervals(&self) -> &[[f64; 2]] {
+    pub fn genes(&self) -> usize {
+        self.intervals.len()
+    }
+
+    /// The bounds `(lower, upper)` of each gene `[gene]`.
+    #[must_use]
+    pub fn intervals(&self) -> &[(f64, f64)] {
         &self.intervals
     }
 
-    /// A genome drawn uniformly from the box.
-    ///
-    /// # Panics
-    /// Never: the bounds are finite intervals.
-    pub fn uniform(&self, rng: &mut impl Rng) -> Genome {
-        let genes: Vec<f64> =
-            self.intervals.iter().map(|&[lower, upper]| rng.random_range(lower..=upper)).collect();
-        Genome::try_from(genes).expect("one finite number was drawn for each gene")
+    /// The indices of the genes that can vary, ascending.
+    pub(super) fn free_genes(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.genes()).filter(|gene| self.intervals[*gene].0 < self.intervals[*gene].1)
     }
 }
 
-fn gene_names() -> String {
-    GENES.map(|gene| gene.name).join(", ")
+impl Representation for Bounds {
+    type Genome = Vec<f64>;
+    type Phenotype = Vec<f64>;
+
+    fn key(&self) -> &'static str {
+        "real-vector"
+    }
+
+    fn random(&self, rng: &mut impl Rng) -> Vec<f64> {
+        uniform_genome(self, rng)
+    }
+
+    fn mix(
+        &self,
+        [first, second]: [&Vec<f64>; 2],
+        operators: &Operators,
+        rng: &mut impl Rng,
+    ) -> Vec<f64> {
+        match operators.crossover {
+            Crossover::Sbx => {
+                let eta = operators.crossover_eta;
+                let [child, _] = sbx_crossover([first, second], self, eta, rng);
+                child
+            }
+            Crossover::Intermediate => intermediate_crossover([first, second], rng),
+        }
+    }
+
+    fn mutate(&self, parent: &Vec<f64>, operators: &Operators, rng: &mut impl Rng) -> Vec<f64> {
+        match operators.mutation {
+            Mutation::Polynomial => {
+                let one_gene = 1.0 / self.genes() as f64;
+                let probability = operators.mutation_probability.unwrap_or(one_gene);
+                polynomial_mutation(parent, self, operators.mutation_eta, probability, rng)
+            }
+            Mutation::AdaptiveFeasible => {
+                adaptive_feasible_mutation(parent, self, operators.step, rng)
+            }
+        }
+    }
+
+    /// Euclidean, in the unit of the genes.
+    fn distance(&self, a: &Vec<f64>, b: &Vec<f64>) -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    }
+
+    /// Whether it has the right number of genes, each within its bounds.
+    fn contains(&self, genome: &Vec<f64>) -> bool {
+        let is_within =
+            |(gene, (lower, upper)): (&f64, &(f64, f64))| (*lower..=*upper).contains(gene);
+        genome.len() == self.genes() && genome.iter().zip(&self.intervals).all(is_within)
+    }
+
+    fn express(&self, genome: &Vec<f64>) -> Vec<f64> {
+        genome.clone()
+    }
+}
+
+impl From<Bounds> for Vec<(f64, f64)> {
+    fn from(bounds: Bounds) -> Self {
+        bounds.intervals
+    }
+}
+
+impl TryFrom<Vec<(f64, f64)>> for Bounds {
+    type Error = InvalidBounds;
+
+    fn try_from(intervals: Vec<(f64, f64)>) -> Result<Self, InvalidBounds> {
+        Self::new(intervals)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
+    use super::*;
+
     #[test]
-    fn overrides_replace_named_intervals_only() {
-        let overrides = BTreeMap::from([("w6".to_owned(), [2.0, 2.0])]);
-        let bounds = Bounds::with_overrides(&overrides).unwrap();
-        let changed: Vec<_> = (0..GENES.len())
-            .filter(|&i| bounds.intervals()[i] != Bounds::default().intervals()[i])
-            .collect();
-        assert_eq!(changed, [5]);
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        assert_eq!(bounds.uniform(&mut rng).genes()[5], 2.0);
+    fn impossible_bounds_are_refused() {
+        for wrong in [
+            vec![],
+            vec![(1.0, 1.0)],
+            vec![(0.0, 1.0), (1.0, 0.0)],
+            vec![(0.0, f64::INFINITY)],
+            vec![(f64::NAN, 1.0)],
+            vec![(-f64::MAX, f64::MAX)],
+        ] {
+            assert!(Bounds::new(wrong.clone()).is_err(), "{wrong:?}");
+        }
+        assert!(serde_json::from_str::<Bounds>("[[1, 0]]").is_err());
     }
 
     #[test]
-    fn wrong_overrides_are_named() {
-        let message = |name: &str, interval| {
-            let overrides = BTreeMap::from([(name.to_owned(), interval)]);
-            Bounds::with_overrides(&overrides).unwrap_err().to_string()
-        };
-        assert!(
-            message("w12", [0.0, 1.0]).starts_with("there is no gene `w12`; the genes are w1, ")
-        );
-        assert!(message("w1", [1.0, 0.0]).starts_with("gene w1: [1, 0] is not an interval"));
-        assert!(message("w1", [0.0, f64::INFINITY]).contains("[0, inf]"));
-        assert!(message("w1", [-f64::MAX, f64::MAX]).contains("not an interval"));
+    fn bounds_contain_their_ends_and_nothing_beyond() {
+        let bounds = Bounds::new(vec![(0.0, 1.0), (2.0, 2.0)]).unwrap();
+        assert!(bounds.contains(&vec![0.0, 2.0]) && bounds.contains(&vec![1.0, 2.0]));
+        assert!(!bounds.contains(&vec![1.0 + f64::EPSILON, 2.0]));
+        assert!(!bounds.contains(&vec![f64::NAN, 2.0]));
+        assert!(!bounds.contains(&vec![0.5]));
+        assert_eq!(bounds.free_genes().collect::<Vec<_>>(), [0]);
     }
 
     #[test]
-    fn uniform_genomes_fill_the_box_and_repeat_with_the_seed() {
-        let bounds = Bounds::default();
+    fn random_genomes_fill_the_bounds_and_repeat_with_the_seed() {
+        let bounds = Bounds::new(vec![(0.0, 1.0), (2.0, 2.0), (-30.0, 10.0)]).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(7);
-        let genomes: Vec<_> = (0..1000).map(|_| bounds.uniform(&mut rng)).collect();
-        for (i, &[lower, upper]) in bounds.intervals().iter().enumerate() {
-            let genes = || genomes.iter().map(|genome| genome.genes()[i]);
+        let genomes: Vec<_> = (0..1000).map(|_| bounds.random(&mut rng)).collect();
+        for (i, &(lower, upper)) in bounds.intervals().iter().enumerate() {
+            let genes = || genomes.iter().map(|genome| genome[i]);
             assert!(genes().all(|gene| (lower..=upper).contains(&gene)));
             let mean = genes().sum::<f64>() / 1000.0;
             // Five standard errors of a uniform mean: 5 / sqrt(12 * 1000) of the width.
-            assert!((mean - (lower + upper) / 2.0).abs() < 0.046 * (upper - lower));
+            assert!((mean - (lower + upper) / 2.0).abs() <= 0.046 * (upper - lower));
         }
-        assert_eq!(bounds.uniform(&mut ChaCha8Rng::seed_from_u64(7)), genomes[0]);
+        assert_eq!(bounds.random(&mut ChaCha8Rng::seed_from_u64(7)), genomes[0]);
     }
 }

@@ -18,11 +18,14 @@
 
 use std::collections::BTreeMap;
 
+use rand::Rng;
 use serde::{Deserialize, Serialize};
 
 use super::activation::Activation;
+use super::bounds::{Bounds, InvalidBounds};
 use super::network::{Aggregation, Network, WallNodes};
 use super::network_draft::{InputBiases, NetworkDraft, NodeDraft};
+use super::representation::{Operators, Representation};
 
 /// One number of a genome.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +38,7 @@ pub struct Gene {
     pub lower: f64,
     /// Greatest value of a random gene, unless the run file says otherwise.
     pub upper: f64,
-    /// Decoding rounds the gene to whole multiples of this.
+    /// The network has the gene rounded to whole multiples of this.
     pub step: Option<f64>,
 }
 
@@ -67,10 +70,17 @@ pub const GENES: [Gene; 22] = [
     gene("bO", "bias of the field: more negative is wider", -1.5, -0.2),
 ];
 
-/// A design as inherited: one number per entry of [`GENES`], all finite.
+/// The representation of the paper: real vectors of [`GENES`] within bounds, which stand for a network.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Bounds", into = "Bounds")]
+pub struct Paper {
+    bounds: Bounds,
+}
+
+/// A genome of [`Paper`]: one number per entry of [`GENES`], all finite; written as their list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
-pub struct Genome {
+pub struct PaperGenome {
     genes: Vec<f64>,
 }
 
@@ -93,20 +103,84 @@ pub enum GenomeError {
     },
 }
 
-impl Genome {
-    /// The genes, in the order of [`GENES`].
-    #[must_use]
-    pub fn genes(&self) -> &[f64] {
-        &self.genes
+impl Paper {
+    /// Genomes within the bounds of [`GENES`], with those in `overrides` replaced: gene name to `[lower, upper]`.
+    ///
+    /// # Errors
+    /// [`InvalidBounds`] for an unknown gene, for what is not an interval, and when no gene is free. `lower = upper` fixes a gene.
+    pub fn new(overrides: &BTreeMap<String, [f64; 2]>) -> Result<Self, InvalidBounds> {
+        let mut intervals = GENES.map(|gene| (gene.lower, gene.upper)).to_vec();
+        for (name, &[lower, upper]) in overrides {
+            let index = GENES.iter().position(|gene| gene.name == name).ok_or_else(|| {
+                let names = GENES.map(|gene| gene.name).join(", ");
+                InvalidBounds(format!("there is no gene `{name}`; the genes are {names}"))
+            })?;
+            if !((upper - lower).is_finite() && lower <= upper) {
+                return Err(InvalidBounds(format!(
+                    "gene {name}: [{lower}, {upper}] is not an interval of finite numbers"
+                )));
+            }
+            intervals[index] = (lower, upper);
+        }
+        Ok(Self { bounds: Bounds::new(intervals)? })
     }
 
-    /// The network that the genes stand for.
-    ///
+    /// Where each gene may lie, in the order of [`GENES`].
+    #[must_use]
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self::new(&BTreeMap::new()).expect("the genes' own bounds are intervals")
+    }
+}
+
+impl Representation for Paper {
+    type Genome = PaperGenome;
+    type Phenotype = Network;
+
+    fn key(&self) -> &'static str {
+        "paper-22"
+    }
+
+    fn random(&self, rng: &mut impl Rng) -> PaperGenome {
+        PaperGenome { genes: self.bounds.random(rng) }
+    }
+
+    fn mix(
+        &self,
+        parents: [&PaperGenome; 2],
+        operators: &Operators,
+        rng: &mut impl Rng,
+    ) -> PaperGenome {
+        let parents = parents.map(|parent| &parent.genes);
+        PaperGenome { genes: self.bounds.mix(parents, operators, rng) }
+    }
+
+    fn mutate(
+        &self,
+        parent: &PaperGenome,
+        operators: &Operators,
+        rng: &mut impl Rng,
+    ) -> PaperGenome {
+        PaperGenome { genes: self.bounds.mutate(&parent.genes, operators, rng) }
+    }
+
+    fn distance(&self, a: &PaperGenome, b: &PaperGenome) -> f64 {
+        self.bounds.distance(&a.genes, &b.genes)
+    }
+
+    fn contains(&self, genome: &PaperGenome) -> bool {
+        self.bounds.contains(&genome.genes)
+    }
+
     /// # Panics
     /// Never: the topology is fixed and the genes are finite.
-    #[must_use]
-    pub fn decode(&self) -> Network {
-        let [w1, w2, w3, w4, w5, w6, w7, w8, w9, w10, w11, biases @ ..] = self.expressed();
+    fn express(&self, genome: &PaperGenome) -> Network {
+        let [w1, w2, w3, w4, w5, w6, w7, w8, w9, w10, w11, biases @ ..] = genome.rounded();
         let [bx, by, bz, bt, b1, b2, b_a, b_b, b_c, b_i, b_o] = biases;
         let draft = NetworkDraft {
             length_unit_mm: 10.0,
@@ -130,9 +204,34 @@ impl Genome {
         };
         Network::try_from(draft).expect("the topology is sound and genes are finite")
     }
+}
+
+impl TryFrom<Bounds> for Paper {
+    type Error = GenomeError;
+
+    fn try_from(bounds: Bounds) -> Result<Self, GenomeError> {
+        match bounds.genes() {
+            found if found == GENES.len() => Ok(Self { bounds }),
+            found => Err(GenomeError::Length { found }),
+        }
+    }
+}
+
+impl From<Paper> for Bounds {
+    fn from(paper: Paper) -> Self {
+        paper.bounds
+    }
+}
+
+impl PaperGenome {
+    /// The genes, in the order of [`GENES`].
+    #[must_use]
+    pub fn genes(&self) -> &[f64] {
+        &self.genes
+    }
 
     /// The genes as the formula sees them: those with a step are rounded to it.
-    fn expressed(&self) -> [f64; GENES.len()] {
+    fn rounded(&self) -> [f64; GENES.len()] {
         std::array::from_fn(|i| match GENES[i].step {
             Some(step) => (self.genes[i] / step).round() * step,
             None => self.genes[i],
@@ -140,7 +239,7 @@ impl Genome {
     }
 }
 
-impl TryFrom<Vec<f64>> for Genome {
+impl TryFrom<Vec<f64>> for PaperGenome {
     type Error = GenomeError;
 
     fn try_from(genes: Vec<f64>) -> Result<Self, GenomeError> {
@@ -156,8 +255,8 @@ impl TryFrom<Vec<f64>> for Genome {
     }
 }
 
-impl From<Genome> for Vec<f64> {
-    fn from(genome: Genome) -> Self {
+impl From<PaperGenome> for Vec<f64> {
+    fn from(genome: PaperGenome) -> Self {
         genome.genes
     }
 }
@@ -173,15 +272,18 @@ fn sum(name: &str, activation: Activation, links: &[(&str, f64)], bias: f64) -> 
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
     use super::*;
 
-    fn genome_of(values: &[(&str, f64)]) -> Genome {
+    fn genome_of(values: &[(&str, f64)]) -> PaperGenome {
         let value = |gene: &Gene| values.iter().find(|v| v.0 == gene.name).map_or(0.0, |v| v.1);
-        Genome::try_from(GENES.iter().map(value).collect::<Vec<_>>()).unwrap()
+        PaperGenome::try_from(GENES.iter().map(value).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]
-    fn the_shipped_network_is_a_genome_decoded() {
+    fn the_shipped_network_is_what_a_genome_stands_for() {
         let genes = [
             ("w1", 1.0),
             ("w2", 1.0),
@@ -197,17 +299,19 @@ mod tests {
             ("bO", -0.9),
         ];
         let shipped = include_str!("../../examples/networks/paper.toml").parse().unwrap();
-        assert_eq!(genome_of(&genes).decode(), shipped);
+        assert_eq!(Paper::default().express(&genome_of(&genes)), shipped);
     }
 
     #[test]
     fn every_gene_reaches_the_network() {
         let base: Vec<f64> = (0..GENES.len()).map(|i| 0.1 + i as f64).collect();
-        let network = Genome::try_from(base.clone()).unwrap().decode();
+        let express =
+            |genes: Vec<f64>| Paper::default().express(&PaperGenome::try_from(genes).unwrap());
+        let network = express(base.clone());
         for i in 0..GENES.len() {
             let mut genes = base.clone();
             genes[i] += 1.0;
-            assert_ne!(Genome::try_from(genes).unwrap().decode(), network, "{}", GENES[i].name);
+            assert_ne!(express(genes), network, "{}", GENES[i].name);
         }
     }
 
@@ -215,11 +319,47 @@ mod tests {
     fn genomes_survive_serialization_and_refuse_wrong_lists() {
         let genome = genome_of(&[("w1", 0.1 + 0.2), ("bO", -1e-17)]);
         let text = serde_json::to_string(&genome).unwrap();
-        assert_eq!(serde_json::from_str::<Genome>(&text).unwrap(), genome);
-        assert_eq!(genome.decode().to_toml().parse::<Network>().unwrap(), genome.decode());
-        let message = Genome::try_from(vec![0.0; 21]).unwrap_err().to_string();
+        assert_eq!(serde_json::from_str::<PaperGenome>(&text).unwrap(), genome);
+        let network = Paper::default().express(&genome);
+        assert_eq!(network.to_toml().parse::<Network>().unwrap(), network);
+        let message = PaperGenome::try_from(vec![0.0; 21]).unwrap_err().to_string();
         assert_eq!(message, "a genome has 22 genes, not 21");
-        let message = Genome::try_from(vec![f64::NAN; 22]).unwrap_err().to_string();
+        let message = PaperGenome::try_from(vec![f64::NAN; 22]).unwrap_err().to_string();
         assert_eq!(message, "gene w1 is NaN; genes must be finite");
+    }
+
+    #[test]
+    fn overrides_replace_named_intervals_only() {
+        let paper = Paper::new(&BTreeMap::from([("w6".to_owned(), [2.0, 2.0])])).unwrap();
+        let own = Paper::default();
+        let (changed, own) = (paper.bounds().intervals(), own.bounds().intervals());
+        let changed: Vec<_> = (0..GENES.len()).filter(|&i| changed[i] != own[i]).collect();
+        assert_eq!(changed, [5]);
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let [a, b] = [paper.random(&mut rng), paper.random(&mut rng)];
+        assert!(a != b && a.genes()[5] == 2.0 && b.genes()[5] == 2.0);
+    }
+
+    #[test]
+    fn wrong_overrides_are_named() {
+        let message = |name: &str, interval| {
+            Paper::new(&BTreeMap::from([(name.to_owned(), interval)])).unwrap_err().to_string()
+        };
+        assert!(
+            message("w12", [0.0, 1.0]).starts_with("there is no gene `w12`; the genes are w1, ")
+        );
+        assert!(message("w1", [1.0, 0.0]).starts_with("gene w1: [1, 0] is not an interval"));
+        assert!(message("w1", [0.0, f64::INFINITY]).contains("[0, inf]"));
+        assert!(message("w1", [-f64::MAX, f64::MAX]).contains("not an interval"));
+    }
+
+    #[test]
+    fn the_representation_is_written_as_its_bounds() {
+        let paper = Paper::new(&BTreeMap::from([("w6".to_owned(), [2.0, 2.0])])).unwrap();
+        let text = serde_json::to_string(&paper).unwrap();
+        assert_eq!(text, serde_json::to_string(paper.bounds()).unwrap());
+        assert_eq!(serde_json::from_str::<Paper>(&text).unwrap(), paper);
+        let error = serde_json::from_str::<Paper>("[[0.0, 1.0]]").unwrap_err().to_string();
+        assert!(error.starts_with("a genome has 22 genes, not 1"), "{error}");
     }
 }

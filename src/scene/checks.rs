@@ -3,9 +3,8 @@
 use anyhow::{Context, ensure};
 
 use super::material::{positive, within};
-use crate::field::{CappedField, CompiledNetwork, DesignBox};
+use crate::field::{CappedField, DesignBox};
 use crate::fitness::LoadSettings;
-use crate::genome::{GENES, Genome};
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::solve::Backend;
 
@@ -73,19 +72,11 @@ pub(crate) fn check_mesh(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::
         sides.z,
         mesh.edge * (cubes / MOST_CUBES).cbrt() + 0.005
     );
-    check_rim(design_box, mesh)
+    CappedField::check_rim(design_box, mesh.rim_radius).context("[mesh]")
 }
 
 /// Cubes of one edge in the box: 3.4 points of the isosurface's grid each, of some 72 bytes.
 const MOST_CUBES: f64 = 4e6;
-
-fn check_rim(design_box: DesignBox, mesh: &MeshSettings) -> anyhow::Result<()> {
-    let middle = GENES.map(|gene| 0.5 * (gene.lower + gene.upper)).to_vec();
-    let genome = Genome::try_from(middle).expect("one number for each gene");
-    CappedField::new(CompiledNetwork::new(&genome.decode()), design_box, mesh.rim_radius)
-        .context("[mesh]")?;
-    Ok(())
-}
 
 /// Checks the distance of a plane, mm: the barrier begins half way to it, or a tenth of the wall's
 /// thickness before it.

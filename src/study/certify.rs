@@ -20,9 +20,9 @@ use crate::batch::{Executor, Next, Outcome as Ended, Stopped, Threads};
 use crate::evolve::Nsga2;
 use crate::fitness::{
     CandidateSettings, Certificate, Evaluation, NotEvaluated, Outcome, Part, Scenarios,
-    Unevaluated, evaluate, evaluate_network, evaluate_network_until,
+    Unevaluated, evaluate, evaluate_genome, evaluate_network_until,
 };
-use crate::genome::{Genome, Network};
+use crate::genome::{Network, Representation};
 use crate::io::provenance::COMMIT;
 use crate::io::{FolderLock, OutputFolder, atomic, csv, input, msh};
 use crate::math::{Rejected, cpu_seconds};
@@ -162,17 +162,17 @@ fn drawn(
 ) -> anyhow::Result<Vec<Design>> {
     let mut evolution = run.evolution.clone();
     evolution.population = DRAWS_FOR_EACH * wanted;
-    let candidates = Nsga2::new(evolution, run.gene_bounds()?, 2)?.ask();
+    let representation = run.representation()?;
+    let candidates = Nsga2::new(evolution, representation.clone(), 2)?.ask();
     let mut designs = Vec::new();
     for batch in candidates.chunks(2 * wanted) {
         let outcomes = executor.evaluate(
             batch,
             &|candidate| {
-                let genome = Genome::try_from(candidate.genome.clone());
-                let network = genome.expect("drawn within the bounds").decode();
-                let outcome = evaluate_network(&network, settings)?.outcome;
-                let is_valid = matches!(outcome, Outcome::Evaluated(_));
-                anyhow::Ok(is_valid.then_some(network))
+                let genome = &candidate.genome;
+                let candidate = evaluate_genome(&representation, genome, settings, Stop::NEVER)?;
+                let is_valid = matches!(candidate.outcome, Outcome::Evaluated(_));
+                anyhow::Ok(is_valid.then(|| representation.express(genome)))
             },
             &mut |_, _| Next::Continue,
         )?;

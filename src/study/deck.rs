@@ -7,7 +7,6 @@ use anyhow::{Context, anyhow};
 use super::run_folder::RunFolder;
 use crate::evolve::IndividualId;
 use crate::fitness::shell_of_network;
-use crate::genome::Genome;
 use crate::mesh::Ends;
 use crate::model::material::Material;
 use crate::scene::deck::{Choices, Subject, compressible, solid};
@@ -30,7 +29,7 @@ pub(crate) fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Resu
     let was_incompressible = settings.material.poisson_ratio() == 0.5;
     let material = compressible(&settings.material, choices.poisson_ratio)?;
     settings.material = Material::Compressible(material.clone());
-    let network = Genome::try_from(record.genome.clone())?.decode();
+    let network = record.network(&run.representation()?);
     let shell = shell_of_network(&network, &settings).map_err(|rejected| anyhow!("{rejected}"))?;
     let section = choices.section(run.solid.unwrap_or_default())?;
     let (mesh, report) = solid(&shell, &settings.material, &section)?;

@@ -9,14 +9,12 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use anyhow::anyhow;
 use serde::{Deserialize, Serialize};
 
+use super::inherited::{Candidate, Genome, Inherited};
 use super::observer::{Limits, Observer};
 use super::run_folder::{Place, Record, RunFolder};
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, serve};
-use crate::evolve::Candidate;
-use crate::fitness::{
-    CandidateSettings, Outcome, StageSeconds, Unevaluated, evaluate_network_until,
-};
-use crate::genome::Genome;
+use crate::fitness::{CandidateSettings, Outcome, StageSeconds, Unevaluated, evaluate_genome};
+use crate::genome::Representation;
 use crate::math::{Reason, Rejected, Room};
 use crate::solve::{Job, Stop};
 
@@ -60,21 +58,22 @@ impl<E: Into<anyhow::Error>> From<E> for Unfinished {
 /// Evaluates what the first process of the `job` sends.
 pub(crate) fn serve_candidates(
     job: Job,
+    representation: &Inherited,
     settings: &CandidateSettings,
     stop: Stop<'_>,
 ) -> anyhow::Result<()> {
-    Ok(serve(&job, &|candidate: &Candidate| evaluate(candidate, settings, job.rank, stop))?)
+    let evaluate = |one: &Candidate| evaluate(one, representation, settings, job.rank, stop);
+    Ok(serve(&job, &evaluate)?)
 }
 
 fn evaluate(
     candidate: &Candidate,
+    representation: &Inherited,
     settings: &CandidateSettings,
     rank: usize,
     stop: Stop<'_>,
 ) -> Evaluated {
-    let genome =
-        Genome::try_from(candidate.genome.clone()).expect("the search keeps to its bounds");
-    let evaluated = match evaluate_network_until(&genome.decode(), settings, stop) {
+    let evaluated = match evaluate_genome(representation, &candidate.genome, settings, stop) {
         Ok(evaluated) => evaluated,
         Err(Unevaluated::Stopped) => return Evaluated::Stopped,
         Err(Unevaluated::Failed(failure)) => return Evaluated::Failed(failure.to_string()),
@@ -85,17 +84,18 @@ fn evaluate(
     Evaluated::Finished(Finished { outcome, cpu_seconds, place })
 }
 
-/// What is known of genomes, by their bits.
+/// What is known of genomes, by their text.
 #[derive(Default)]
-pub(crate) struct Known(BTreeMap<Vec<u64>, Outcome>);
+pub(crate) struct Known(BTreeMap<String, Outcome>);
 
 impl Known {
-    pub(crate) fn bits(genome: &[f64]) -> Vec<u64> {
-        genome.iter().map(|gene| gene.to_bits()).collect()
+    /// What records have of `genome`, which keeps every bit.
+    pub(crate) fn text(genome: &Genome) -> String {
+        serde_json::to_string(genome).expect("a record can hold a genome")
     }
 
     fn of<'a>(records: impl Iterator<Item = &'a Record>) -> Self {
-        Self(records.map(|r| (Self::bits(&r.genome), r.outcome.clone())).collect())
+        Self(records.map(|r| (Self::text(&r.genome), r.outcome.clone())).collect())
     }
 }
 
@@ -109,6 +109,7 @@ pub(crate) struct Generation<'a> {
     pub records: &'a [Record],
     /// What an earlier run has recorded beyond them.
     pub found: &'a [Record],
+    pub representation: &'a Inherited,
     pub settings: &'a CandidateSettings,
     /// The digest of the run's settings.
     pub digest: &'a str,
@@ -134,14 +135,14 @@ impl Generation<'_> {
         let mut fresh = self.fresh(&known);
         self.put_longest_first(&mut fresh);
         for record in self.begun(&fresh, evaluator)? {
-            known.0.insert(Known::bits(&record.genome), record.outcome.clone());
+            known.0.insert(Known::text(&record.genome), record.outcome.clone());
             own.insert(record.id, record);
         }
         let record = |candidate: &Candidate| {
             own.remove(&candidate.id).unwrap_or_else(|| Record {
                 id: candidate.id,
                 genome: candidate.genome.clone(),
-                outcome: known.0[&Known::bits(&candidate.genome)].clone(),
+                outcome: known.0[&Known::text(&candidate.genome)].clone(),
                 cpu_seconds: StageSeconds::default(),
                 place: None,
                 settings: Some(self.digest.to_owned()),
@@ -154,8 +155,8 @@ impl Generation<'_> {
     fn fresh(&self, known: &Known) -> Vec<Candidate> {
         let mut met = BTreeSet::new();
         let is_fresh = |candidate: &&Candidate| {
-            let bits = Known::bits(&candidate.genome);
-            !known.0.contains_key(&bits) && met.insert(bits)
+            let text = Known::text(&candidate.genome);
+            !known.0.contains_key(&text) && met.insert(text)
         };
         self.candidates.iter().filter(is_fresh).cloned().collect()
     }
@@ -163,11 +164,10 @@ impl Generation<'_> {
     /// Begins with those that may take longest, as what is nearest to them did: at the end of a generation nobody should wait for one
     /// that was begun last.
     fn put_longest_first(&self, fresh: &mut [Candidate]) {
-        let distance =
-            |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum() };
         fresh.sort_by_cached_key(|candidate| {
             let nearest = self.records.iter().min_by(|a, b| {
-                let [a, b] = [a, b].map(|record| distance(&record.genome, &candidate.genome));
+                let [a, b] = [a, b]
+                    .map(|record| self.representation.distance(&record.genome, &candidate.genome));
                 a.total_cmp(&b)
             });
             let seconds = nearest.map_or(0.0, |record| record.cpu_seconds.total());
@@ -206,10 +206,10 @@ impl Generation<'_> {
             let ends = failure.is_some() || self.limits.is_over();
             if ends { Next::Stop } else { Next::Continue }
         };
-        let settings = self.settings;
+        let (representation, settings) = (self.representation, self.settings);
         let is_over = || self.limits.is_over();
         let stop = Stop::when(&is_over);
-        let evaluate = |candidate: &Candidate| evaluate(candidate, settings, 0, stop);
+        let evaluate = |one: &Candidate| evaluate(one, representation, settings, 0, stop);
         let outcomes = evaluator.evaluate(fresh, &evaluate, &mut watch);
         self.observer.work_ends();
         if let Some(failure) = failure {

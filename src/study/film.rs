@@ -8,7 +8,6 @@ use super::design_pictures::{Pictured, PicturedPath, StoredPath};
 use super::run_folder::RunFolder;
 use crate::evolve::IndividualId;
 use crate::fitness::{CandidateSettings, Outcome, evaluate_network};
-use crate::genome::Genome;
 use crate::math::Vec3;
 use crate::report::gif_film;
 use crate::solve::Backend;
@@ -60,7 +59,7 @@ fn of_run(path: &Path, id: IndividualId) -> anyhow::Result<Pictured> {
     if let Outcome::Rejected(rejected) = &record.outcome {
         return Err(anyhow!("{id} has no shape to film: {rejected}"));
     }
-    let network = Genome::try_from(record.genome.clone())?.decode();
+    let network = record.network(&run.representation()?);
     let settings =
         CandidateSettings { backend: Backend::Native, ..run.checked()?.candidate_settings()? };
     let candidate = evaluate_network(&network, &settings)?;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::Context;
 
+use super::inherited::Nsga2;
 use super::run_folder::{Record, RunFolder};
-use crate::evolve::Nsga2;
 use crate::report::FrontPoint;
 
 /// The last finished generation of a run.

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use anyhow::bail;
 
+use super::inherited::Individual;
 use super::run_folder::Record;
-use crate::evolve::{Individual, IndividualId};
+use crate::evolve::IndividualId;
 use crate::fitness::{
     Evaluation, FitnessSettings, OBJECTIVES, Objective, Outcome, SCENARIOS, Scenario, flags,
 };

@@ -9,9 +9,8 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::inherited::{Checkpoint, Inherited, named_bounds};
 use super::run_file::RunFile;
-use crate::evolve::Checkpoint;
-use crate::genome::GENES;
 use crate::io::checksum;
 
 /// The keys of a file with their values, by `section.key`.
@@ -35,7 +34,7 @@ impl Meaning {
             key != "evolution.generations" && key != "solid" && !key.starts_with("solid.")
         };
         meaning.0.retain(|key, _| is_of_search(key));
-        meaning.bind_genes(run.gene_bounds()?.intervals());
+        meaning.bind_genes(&run.representation()?);
         Ok(meaning)
     }
 
@@ -54,7 +53,7 @@ impl Meaning {
     pub(crate) fn of_checkpoint(search: &Checkpoint) -> anyhow::Result<Self> {
         let mut meaning = Self::of(&search.settings, "evolution")?;
         meaning.0.remove("evolution.generations");
-        meaning.bind_genes(search.bounds.intervals());
+        meaning.bind_genes(&search.representation);
         Ok(meaning)
     }
 
@@ -64,10 +63,9 @@ impl Meaning {
         Ok(Self(keys))
     }
 
-    fn bind_genes(&mut self, intervals: &[(f64, f64)]) {
-        for (gene, (lower, upper)) in GENES.iter().zip(intervals) {
-            self.0.insert(format!("genes.{}", gene.name), serde_json::json!([lower, upper]));
-        }
+    fn bind_genes(&mut self, inherited: &Inherited) {
+        let keys = named_bounds(inherited);
+        self.0.extend(keys.map(|(name, bounds)| (format!("genes.{name}"), bounds.to_vec().into())));
     }
 
     /// A number for the whole of it.
@@ -155,6 +153,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::genome::GENES;
     use crate::io::toml_file;
 
     fn meaning(text: &str) -> Meaning {

@@ -17,6 +17,7 @@ pub(crate) mod film;
 pub(crate) mod front;
 pub(crate) mod front_rows;
 pub(crate) mod history_row;
+pub(crate) mod inherited;
 pub(crate) mod meaning;
 pub(crate) mod mesh_error;
 #[cfg(feature = "monitor")]

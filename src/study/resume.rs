@@ -15,12 +15,13 @@ use anyhow::{bail, ensure};
 
 use super::evaluations::Known;
 use super::history_row::HistoryRow;
+use super::inherited::{Checkpoint, Nsga2};
 use super::meaning::Meaning;
 use super::observer::Observer;
 use super::run_file::RunFile;
 use super::run_folder::{Logged, Record, RunFolder, RunState};
 use super::search::{evaluation, reference};
-use crate::evolve::{Checkpoint, IndividualId, Nsga2};
+use crate::evolve::IndividualId;
 use crate::fitness::FitnessSettings;
 use crate::io::provenance::COMMIT;
 
@@ -44,7 +45,7 @@ impl Start {
     pub(crate) fn new(run: &RunFile, settings: Meaning) -> anyhow::Result<Self> {
         let objectives = reference(&run.fitness).len();
         Ok(Self {
-            nsga2: Nsga2::new(run.evolution.clone(), run.gene_bounds()?, objectives)?,
+            nsga2: Nsga2::new(run.evolution.clone(), run.representation()?, objectives)?,
             history: Vec::new(),
             records: Vec::new(),
             found: Vec::new(),
@@ -83,7 +84,7 @@ impl Start {
         if let Some(RunState { mut search, history, builds, .. }) = state {
             search.settings.generations = run.evolution.generations;
             start.tell_of_builds(folder, builds, observer);
-            let nsga2 = Nsga2::resume(search.clone())?;
+            let nsga2 = Nsga2::resume(search)?;
             agrees(folder, &nsga2, &by_id, &run.fitness)?;
             let lost = ids_before(&nsga2).filter(|id| !by_id.contains_key(id)).count();
             if lost == 0 {
@@ -93,7 +94,7 @@ impl Start {
                     "candidates.jsonl lacks {lost} of the {} candidates up to the checkpoint; they are evaluated again",
                     ids_before(&nsga2).count()
                 ));
-                start.expected = Some(search);
+                start.expected = Some(nsga2.checkpoint());
             }
         }
         for line in &logged.damaged {
@@ -106,7 +107,7 @@ impl Start {
         let is_recorded =
             |record: &Record| is_before(&record) && by_id[&record.id].genome == record.genome;
         let mut met = BTreeSet::new();
-        let is_new = |record: &&Record| met.insert((record.id, Known::bits(&record.genome)));
+        let is_new = |record: &&Record| met.insert((record.id, Known::text(&record.genome)));
         let others = logged.all().filter(|record| !is_recorded(record)).filter(is_new);
         start.found = others.cloned().collect();
         folder.put_in_order(&logged, &start.records, &start.found)?;
@@ -165,11 +166,11 @@ fn check_digests(
 /// The records by their ids; a genome has one outcome.
 fn by_id(logged: &Logged) -> anyhow::Result<BTreeMap<IndividualId, &Record>> {
     let mut by_id: BTreeMap<IndividualId, &Record> = BTreeMap::new();
-    let mut by_genome: BTreeMap<Vec<u64>, &Record> = BTreeMap::new();
+    let mut by_genome: BTreeMap<String, &Record> = BTreeMap::new();
     for record in logged.all() {
-        let bits = Known::bits(&record.genome);
+        let text = Known::text(&record.genome);
         let twins =
-            [by_genome.entry(bits).or_insert(record), by_id.entry(record.id).or_insert(record)];
+            [by_genome.entry(text).or_insert(record), by_id.entry(record.id).or_insert(record)];
         for twin in twins {
             let same = twin.genome != record.genome || twin.outcome == record.outcome;
             ensure!(

@@ -7,10 +7,10 @@ use anyhow::{Context, ensure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::evolve::{self, Nsga2Settings};
+use super::inherited::{Inherited, named_bounds};
+use crate::evolve::Nsga2Settings;
 use crate::field::DesignBox;
 use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings};
-use crate::genome::{Bounds, GENES};
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::scene::checks::{check_distance, check_mesh, check_normal, check_shell, check_solver};
@@ -104,7 +104,7 @@ impl RunFile {
             section.check_material(&self.material.material()?)?;
         }
         self.evolution.validate().context("[evolution]")?;
-        self.gene_bounds()?;
+        self.representation()?;
         self.material.material()?;
         within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
         check_distance("[fitness] plane_distance", self.fitness.plane_distance)?;
@@ -130,11 +130,9 @@ impl RunFile {
         Ok(())
     }
 
-    /// The bounds of all genes as evolution sees them.
-    pub(crate) fn gene_bounds(&self) -> anyhow::Result<evolve::Bounds> {
-        let bounds = Bounds::with_overrides(&self.genes).context("[genes]")?;
-        let pairs = bounds.intervals().iter().map(|&[lower, upper]| (lower, upper)).collect();
-        evolve::Bounds::new(pairs).context("[genes]")
+    /// What the designs inherit.
+    pub(crate) fn representation(&self) -> anyhow::Result<Inherited> {
+        Inherited::new(&self.genes).context("[genes]")
     }
 
     /// What decides a candidate's outcome.
@@ -169,8 +167,8 @@ const SOLID_EXAMPLE: &str = "
 
 /// A run file with every default, as TOML, and with the section of a `solid` where there is one.
 pub(crate) fn defaults(solid: Option<SolidSection>) -> String {
-    let bounds = GENES.iter().map(|gene| (gene.name.to_owned(), [gene.lower, gene.upper]));
-    let run = RunFile { genes: bounds.collect(), solid, ..RunFile::default() };
+    let genes = named_bounds(&Inherited::default()).collect();
+    let run = RunFile { genes, solid, ..RunFile::default() };
     let defaults = toml::to_string(&run).expect("the defaults are plain numbers and words");
     let example = if solid.is_some() { "" } else { SOLID_EXAMPLE };
     annotated(&defaults, &sections::<RunFile>()) + example

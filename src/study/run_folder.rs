@@ -20,12 +20,14 @@ use serde::{Deserialize, Serialize};
 use super::certificate_row::Row;
 use super::front_rows::{axes, evaluated_objectives, front_points, header};
 use super::history_row::HistoryRow;
+use super::inherited::{Checkpoint, Genome, Inherited, Nsga2};
 use super::meaning::Meaning;
 use super::mesh_error::MeshErrorRow;
 use super::observer::Observer;
 use super::run_file::RunFile;
-use crate::evolve::{Checkpoint, IndividualId, Nsga2};
+use crate::evolve::IndividualId;
 use crate::fitness::{Outcome, SCENARIOS, StageSeconds};
+use crate::genome::{Network, Representation};
 use crate::io::provenance::Provenance;
 use crate::io::{
     FolderLock, InputError, OutputError, OutputFolder, atomic, checkpoint, csv, input, jsonl,
@@ -41,7 +43,7 @@ use crate::scene::results::design_folder::write_json;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Record {
     pub id: IndividualId,
-    pub genome: Vec<f64>,
+    pub genome: Genome,
     #[serde(flatten)]
     pub outcome: Outcome,
     pub cpu_seconds: StageSeconds,
@@ -51,6 +53,13 @@ pub(crate) struct Record {
     /// The digest of the settings of its run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<String>,
+}
+
+impl Record {
+    /// The network of the design.
+    pub(crate) fn network(&self, representation: &Inherited) -> Network {
+        representation.express(&self.genome)
+    }
 }
 
 /// Where and when a candidate was evaluated.

@@ -10,6 +10,7 @@ use super::certificate_row::{self, Row};
 use super::certify::Certifying;
 use super::evaluations::{Evaluator, Generation, Known, Unfinished, serve_candidates};
 use super::history_row::HistoryRow;
+use super::inherited::{Checkpoint, Individual, Nsga2};
 use super::meaning::Meaning;
 use super::mesh_error::MeshErrorRow;
 use super::observer::{Limits, Observer};
@@ -19,9 +20,9 @@ use super::run_file::RunFile;
 use super::run_folder::{Record, RunFolder, RunState, outcome_counts};
 use super::solid_front::SolidFront;
 use crate::batch::{Executor, Farm, Next, Stopped, Threads, hear_others, tell_first};
-use crate::evolve::{Checkpoint, Evaluation, Individual, Nsga2, hypervolume};
+use crate::evolve::{Evaluation, hypervolume};
 use crate::fitness::{CandidateSettings, FitnessSettings, Outcome, evaluate_network};
-use crate::genome::Genome;
+use crate::genome::Representation;
 use crate::io::provenance::COMMIT;
 use crate::io::{atomic, csv};
 use crate::report::{FrontPoint, OutcomeCount};
@@ -83,7 +84,8 @@ pub fn search(
     agree(job, &settings)?;
     if !job.is_first() {
         let is_over = || limits.is_over();
-        serve_candidates(job, &run.candidate_settings()?, Stop::when(&is_over))?;
+        let (representation, settings) = (run.representation()?, run.candidate_settings()?);
+        serve_candidates(job, &representation, &settings, Stop::when(&is_over))?;
         return Ok(Searched::Served);
     }
     run.solid.iter().try_for_each(SolidSection::check_programs)?;
@@ -283,6 +285,7 @@ impl<'a> Search<'a> {
             generations: self.nsga2.settings().generations,
             records: &self.records,
             found: &self.found,
+            representation: self.nsga2.representation(),
             settings: &self.settings,
             digest: &self.digest,
             folder: &self.folder,
@@ -299,9 +302,9 @@ impl<'a> Search<'a> {
         self.records.extend(records);
         self.folder.save(&self.state())?;
         let generation = self.nsga2.generation();
-        let bits = |record: &Record| Known::bits(&record.genome);
-        let met: BTreeSet<_> = self.records.iter().map(bits).collect();
-        self.found.retain(|r| r.id.generation >= generation || !met.contains(&bits(r)));
+        let text = |record: &Record| Known::text(&record.genome);
+        let met: BTreeSet<_> = self.records.iter().map(text).collect();
+        self.found.retain(|r| r.id.generation >= generation || !met.contains(&text(r)));
         Ok(self.folder.keep_found(&self.found)?)
     }
 
@@ -384,7 +387,7 @@ impl<'a> Search<'a> {
     fn write_member(&self, individual: &Individual) -> anyhow::Result<MeshErrorRow> {
         let folder = self.folder.path().join("front").join(individual.id.to_string());
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        let network = Genome::try_from(individual.genome.clone())?.decode();
+        let network = self.nsga2.representation().express(&individual.genome);
         atomic::write(&folder.join("genome.toml"), network.to_toml().as_bytes())?;
         let candidate = evaluate_network(&network, &self.settings)?;
         let (Some(mesh), Some(mut scenarios), Outcome::Evaluated(evaluation)) =
@@ -416,7 +419,9 @@ impl<'a> Search<'a> {
             limits: self.limits,
             observer: self.observer,
         };
-        let Some(solid) = SolidFront::new(&front, &self.records, &job, executor)? else {
+        let Some(solid) =
+            SolidFront::new(&front, &self.records, self.nsga2.representation(), &job, executor)?
+        else {
             return Ok(End::Stopped);
         };
         let SolidFront { rows, of_front, front } = &solid;

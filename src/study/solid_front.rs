@@ -11,11 +11,11 @@ use anyhow::Context;
 
 use super::certificate_row::{OfBoth, Row};
 use super::certify::{CertifiedRows, Certifying, Design};
+use super::inherited::Inherited;
 use super::run_folder::Record;
 use crate::batch::Threads;
 use crate::evolve::IndividualId;
 use crate::fitness::{Objective, Outcome, Sense};
-use crate::genome::Genome;
 
 /// What the second stage found.
 pub(crate) struct SolidFront {
@@ -32,16 +32,17 @@ impl SolidFront {
     pub(crate) fn new(
         front: &[IndividualId],
         records: &[Record],
+        representation: &Inherited,
         certifying: &Certifying<'_>,
         executor: &Threads,
     ) -> anyhow::Result<Option<Self>> {
-        let design = |record: &Record| {
-            let genome = Genome::try_from(record.genome.clone())?;
-            anyhow::Ok(Design { name: record.id.to_string(), network: genome.decode() })
+        let design = |record: &Record| Design {
+            name: record.id.to_string(),
+            network: record.network(representation),
         };
         let of = |id: &IndividualId| {
             let record = records.iter().find(|record| record.id == *id);
-            design(record.with_context(|| format!("candidates.jsonl lacks {id}"))?)
+            record.map(design).with_context(|| format!("candidates.jsonl lacks {id}"))
         };
         let designs = front.iter().map(of).collect::<anyhow::Result<Vec<_>>>()?;
         let certified = |designs: &[Design]| {
@@ -59,10 +60,8 @@ impl SolidFront {
             })
             .collect();
         let objectives: Vec<&Values> = others.iter().map(|(_, objectives)| objectives).collect();
-        let designs = promoted(&rows, &objectives)
-            .into_iter()
-            .map(|other| design(others[other].0))
-            .collect::<anyhow::Result<Vec<_>>>()?;
+        let promoted = promoted(&rows, &objectives).into_iter();
+        let designs: Vec<_> = promoted.map(|other| design(others[other].0)).collect();
         let Some(promoted) = certified(&designs)? else { return Ok(None) };
         rows.extend(promoted);
         let front = front_of(&rows);

@@ -17,9 +17,9 @@ use serde::Serialize;
 use self::reader::Reader;
 use crate::evolve::IndividualId;
 use crate::fitness::{Objective, Outcome, SCENARIOS};
-use crate::genome::{GENES, Genome};
 use crate::monitor::{Answer, Refusal, Source};
 use crate::scene::error::one_line;
+use crate::study::inherited::named_genes;
 use crate::study::run_folder::{Record, RunFolder};
 
 /// Shapes that are kept: some 20 MB.
@@ -57,7 +57,7 @@ impl Watched {
         let solids = RunFolder::open(&self.path)?.certificates()?;
         let name = record.id.to_string();
         let certificate = solids.into_iter().find(|row| row.design == name);
-        let genes = GENES.iter().zip(&record.genome);
+        let genes = named_genes(&record.genome).map(|(name, value)| Gene { name, value });
         let evaluation = match &record.outcome {
             Outcome::Evaluated(evaluation) => Some(evaluation),
             Outcome::Rejected(_) => None,
@@ -68,7 +68,7 @@ impl Watched {
         let actions: Vec<&str> = scenarios.map(|scenario| scenario.action).collect();
         let details = serde_json::json!({
             "id": name,
-            "genome": genes.map(|(gene, value)| Gene { name: gene.name, value: *value }).collect::<Vec<_>>(),
+            "genome": genes.collect::<Vec<_>>(),
             "status": if matches!(record.outcome, Outcome::Evaluated(_)) { "evaluated" } else { "rejected" },
             "objectives": objectives.map(Named::of).collect::<Vec<_>>(),
             "actions": actions,
@@ -83,7 +83,7 @@ impl Watched {
     fn computed(&self, record: &Record) -> anyhow::Result<Arc<[u8]>> {
         let run = RunFolder::open(&self.path)?.run_file()?;
         let settings = run.checked()?.candidate_settings()?;
-        let network = Genome::try_from(record.genome.clone())?.decode();
+        let network = record.network(&run.representation()?);
         let Some(shape) = shape::computed(&network, settings)? else {
             bail!("{} was evaluated by the run, and is rejected by this program", record.id);
         };

@@ -5,13 +5,14 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::evolve::{Checkpoint, IndividualId, Nsga2};
+use crate::evolve::IndividualId;
 use crate::fitness::{Outcome, SCENARIOS, flags};
 use crate::io::jsonl;
 use crate::report::{OutcomeCount, Published, published};
 use crate::scene::material::MaterialSection;
 use crate::study::certificate_row::Row;
 use crate::study::history_row::HistoryRow;
+use crate::study::inherited::{Checkpoint, Nsga2};
 use crate::study::run_folder::{Record, RunFolder, RunState, outcome_counts};
 
 /// What the page shows of a run.
@@ -230,6 +231,7 @@ fn throughput(records: &[Record]) -> Vec<Rank> {
 mod tests {
     use super::*;
     use crate::fitness::StageSeconds;
+    use crate::genome::GENES;
     use crate::math::{Reason, Rejected, Room};
     use crate::study::run_folder::Place;
 
@@ -237,7 +239,7 @@ mod tests {
         let rejected = Rejected::new(Room::Surface, Reason::Islands, String::new(), 1.0);
         Record {
             id: IndividualId { generation: 0, index },
-            genome: Vec::new(),
+            genome: vec![0.0; GENES.len()].try_into().unwrap(),
             outcome: Outcome::Rejected(rejected),
             cpu_seconds: StageSeconds { rest: 10.0, ..StageSeconds::default() },
             place: (rank < 2).then_some(Place { rank, ended }),

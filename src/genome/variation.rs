@@ -7,6 +7,7 @@ use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 
 use super::bounds::Bounds;
+use super::representation::Representation;
 
 /// A genome `[gene]` drawn uniformly between the bounds.
 #[must_use]
@@ -156,7 +157,7 @@ pub fn adaptive_feasible_mutation(
             let (lower, upper) = bounds.intervals()[gene];
             child[gene] += step * way * (upper - lower);
         }
-        bounds.contain(&child).then_some(child)
+        bounds.contains(&child).then_some(child)
     };
     let ahead = directions.iter().find_map(|direction| moved(direction, step));
     ahead
@@ -209,15 +210,15 @@ mod tests {
             seed: u64,
         ) {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            prop_assert!(bounds.contain(&a) && bounds.contain(&b));
-            prop_assert!(bounds.contain(&uniform_genome(&bounds, &mut rng)));
+            prop_assert!(bounds.contains(&a) && bounds.contains(&b));
+            prop_assert!(bounds.contains(&uniform_genome(&bounds, &mut rng)));
             let [c, d] = sbx_crossover([&a, &b], &bounds, eta, &mut rng);
-            prop_assert!(bounds.contain(&c) && bounds.contain(&d));
-            prop_assert!(bounds.contain(&intermediate_crossover([&a, &b], &mut rng)));
+            prop_assert!(bounds.contains(&c) && bounds.contains(&d));
+            prop_assert!(bounds.contains(&intermediate_crossover([&a, &b], &mut rng)));
             let mutant = polynomial_mutation(&a, &bounds, eta, probability, &mut rng);
-            prop_assert!(bounds.contain(&mutant));
+            prop_assert!(bounds.contains(&mutant));
             let mutant = adaptive_feasible_mutation(&a, &bounds, probability, &mut rng);
-            prop_assert!(bounds.contain(&mutant));
+            prop_assert!(bounds.contains(&mutant));
         }
 
         #[test]
