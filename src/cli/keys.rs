@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::genome::{GENES, NetworkDraft};
+use crate::genome::{GENES, MATERIAL_GENES, NetworkDraft, THICKNESS_GENES};
 use crate::scene::keys::{FileKey, sections, sentence};
 use crate::scene::scene_file::SceneFile;
 use crate::study::run_file::RunFile;
@@ -42,7 +42,7 @@ pub(super) fn page() -> String {
         }
         if title == "Run files" {
             push(&mut text, format_args!("\n### `[genes]`\n\n{GENES_TABLE}"));
-            for gene in &GENES {
+            for gene in GENES.iter().chain(&THICKNESS_GENES).chain(&MATERIAL_GENES) {
                 let [lower, upper] = [gene.lower, gene.upper];
                 let (name, meaning) = (gene.name, gene.meaning);
                 push(
@@ -61,7 +61,7 @@ fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
 
 const INTRODUCTION: &str = include_str!("keys_introduction.md");
 
-const GENES_TABLE: &str = "Bounds of single genes; what is not listed keeps its own.
+const GENES_TABLE: &str = "Bounds of single genes; what is not listed keeps its own. `tx` to `tO` are there with `[pattern] thickness`, `mx` to `mO` with `[pattern] material`.
 
 | key | holds | default | meaning |
 |---|---|---|---|";

@@ -36,7 +36,7 @@ use crate::mesh::ShellElement;
 use crate::scene::deck::Choices;
 use crate::scene::error::one_line;
 use crate::scene::part::solid_part::SolidSection;
-use crate::scene::{End, scene_file};
+use crate::scene::{End, scene_defaults};
 use crate::solve::{Backend, Job};
 use crate::study::{Manner, certify, comparison, report, run_file};
 use crate::verify::benchmarks::{self, Selection};
@@ -406,7 +406,7 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
             Ok(())
         }
         Command::Simulate { print_defaults: true, .. } => {
-            say(&scene_file::defaults());
+            say(&scene_defaults::defaults());
             Ok(())
         }
         Command::Evolve { run, out, resume, threads, time_limit, solver, json, .. } => {

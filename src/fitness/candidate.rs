@@ -3,6 +3,7 @@
 use super::evaluate::evaluate;
 use super::outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
 use super::part::ShellPart;
+use super::pattern::WallPattern;
 use super::settings::{FitnessSettings, LoadSettings};
 use super::walk::Scenarios;
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
@@ -23,6 +24,8 @@ pub struct CandidateSettings {
     pub wall: ShellSettings,
     /// What the wall is made of.
     pub material: Material,
+    /// What its network may say of the wall.
+    pub pattern: WallPattern,
     /// How it is loaded.
     pub load: LoadSettings,
     /// What is asked of it.
@@ -32,6 +35,12 @@ pub struct CandidateSettings {
 }
 
 impl CandidateSettings {
+    /// The materials that a section names by their places: that of the wall, and the second of its pattern.
+    #[must_use]
+    pub fn materials(&self) -> Vec<Material> {
+        [self.material.clone()].into_iter().chain(self.pattern.material.clone()).collect()
+    }
+
     /// The defaults of everything but the material and the library.
     #[must_use]
     pub fn new(material: Material, backend: Backend) -> Self {
@@ -40,6 +49,7 @@ impl CandidateSettings {
             mesh: MeshSettings::default(),
             wall: ShellSettings::default(),
             material,
+            pattern: WallPattern::default(),
             load: LoadSettings::default(),
             fitness: FitnessSettings::default(),
             backend,
@@ -74,7 +84,9 @@ pub fn shell_of_network(
     let compiled = CompiledNetwork::new(network);
     let field = CappedField::new(compiled, settings.design_box, settings.mesh.rim_radius)
         .expect("the settings were checked");
-    shell_of_field(&field, &settings.mesh, &settings.wall)
+    let shell = shell_of_field(&field, &settings.mesh, &settings.wall)?;
+    let section = settings.pattern.section(network, &shell);
+    Ok(ShellMesh { section, ..shell })
 }
 
 /// Builds and evaluates what a `genome` stands for, until `stop` wants it to end.
@@ -130,8 +142,9 @@ pub fn evaluate_network_until(
         Ok(mesh) => mesh,
         Err(reason) => return Ok(rejected(reason, None, seconds)),
     };
-    let CandidateSettings { material, load, fitness, backend, .. } = settings;
-    let part = ShellPart { shell: &mesh, material };
+    let CandidateSettings { load, fitness, backend, .. } = settings;
+    let materials = settings.materials();
+    let part = ShellPart { shell: &mesh, materials: &materials };
     let evaluated = evaluate(&part, load, fitness, *backend, stop);
     let total = cpu_seconds() - start;
     match evaluated {

@@ -13,6 +13,7 @@ mod objective;
 mod observation;
 mod outcome;
 mod part;
+mod pattern;
 mod scenario;
 mod settings;
 mod turning;
@@ -33,6 +34,7 @@ pub use objective::{
 pub use observation::{Observation, Stability, Watched, observations};
 pub use outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
 pub use part::{Part, ShellPart};
+pub use pattern::WallPattern;
 pub use scenario::{Arrangement, SCENARIOS, Scenario};
 pub use settings::{FitnessSettings, LoadSettings};
 pub use turning::Turning;

@@ -20,13 +20,13 @@ pub trait Part {
     fn wall_volume_cm3(&self) -> f64;
 }
 
-/// A shell of one material.
+/// A shell.
 #[derive(Clone, Copy, Debug)]
 pub struct ShellPart<'a> {
     /// The middle of its wall.
     pub shell: &'a ShellMesh,
-    /// What the wall is made of.
-    pub material: &'a Material,
+    /// The materials that its section names by their places.
+    pub materials: &'a [Material],
 }
 
 impl Part for ShellPart<'_> {
@@ -35,7 +35,7 @@ impl Part for ShellPart<'_> {
     }
 
     fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected> {
-        PartModel::new(self.shell, self.material, &Support::Clamp, setup)
+        PartModel::new(self.shell, self.materials, &Support::Clamp, setup)
     }
 
     fn wall_volume_cm3(&self) -> f64 {

@@ -18,6 +18,7 @@ mod network_draft;
 mod paper;
 mod representation;
 mod variation;
+mod wall_genes;
 
 pub use activation::Activation;
 pub use bounds::{Bounds, InvalidBounds};
@@ -29,3 +30,4 @@ pub use variation::{
     adaptive_feasible_mutation, intermediate_crossover, polynomial_mutation, sbx_crossover,
     uniform_genome,
 };
+pub use wall_genes::{MATERIAL_GENES, THICKNESS_GENES, WallGenes};

@@ -32,13 +32,13 @@ pub struct Network {
 
 /// The nodes that say what the wall is made of, at a point of its middle: by name, or by index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct WallNodes<N> {
     /// Its thickness, mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness: Option<N>,
     /// It is of the second material where this is positive.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<N>,
 }
 

@@ -26,6 +26,7 @@ use super::bounds::{Bounds, InvalidBounds};
 use super::network::{Aggregation, Network, WallNodes};
 use super::network_draft::{InputBiases, NetworkDraft, NodeDraft};
 use super::representation::{Operators, Representation};
+use super::wall_genes::WallGenes;
 
 /// One number of a genome.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,14 +71,24 @@ pub const GENES: [Gene; 22] = [
     gene("bO", "bias of the field: more negative is wider", -1.5, -0.2),
 ];
 
-/// The representation of the paper: real vectors of [`GENES`] within bounds, which stand for a network.
+/// The representation of the paper: real vectors of [`GENES`] within bounds, which stand for a network; behind them the genes of a wall
+/// that is not the same everywhere, where a search wants them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Bounds", into = "Bounds")]
+#[serde(try_from = "Typed", into = "Typed")]
 pub struct Paper {
     bounds: Bounds,
+    wall: WallGenes,
 }
 
-/// A genome of [`Paper`]: one number per entry of [`GENES`], all finite; written as their list.
+/// A [`Paper`] as a file has it: its bounds alone where the wall has no genes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
+enum Typed {
+    Plain(Bounds),
+    WithWall { bounds: Bounds, wall: WallGenes },
+}
+
+/// A genome of [`Paper`]: one number per gene, all finite; written as their list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
 pub struct PaperGenome {
@@ -88,16 +99,18 @@ pub struct PaperGenome {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GenomeError {
     /// Too few or too many.
-    #[error("a genome has {expected} genes, not {found}", expected = GENES.len())]
+    #[error("a genome has {expected} genes, not {found}")]
     Length {
+        /// How many the paper's has; those of a wall come on top.
+        expected: usize,
         /// How many there were.
         found: usize,
     },
     /// NaN or an infinity.
-    #[error("gene {name} is {value}; genes must be finite")]
+    #[error("gene {place} is {value}; genes must be finite")]
     NotFinite {
-        /// The gene's name.
-        name: &'static str,
+        /// The gene's place, from 0.
+        place: usize,
         /// The number.
         value: f64,
     },
@@ -109,10 +122,23 @@ impl Paper {
     /// # Errors
     /// [`InvalidBounds`] for an unknown gene, for what is not an interval, and when no gene is free. `lower = upper` fixes a gene.
     pub fn new(overrides: &BTreeMap<String, [f64; 2]>) -> Result<Self, InvalidBounds> {
-        let mut intervals = GENES.map(|gene| (gene.lower, gene.upper)).to_vec();
+        Self::with_wall(WallGenes::default(), overrides)
+    }
+
+    /// As [`Self::new`], with genes of the `wall` behind those of the chamber.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_wall(
+        wall: WallGenes,
+        overrides: &BTreeMap<String, [f64; 2]>,
+    ) -> Result<Self, InvalidBounds> {
+        let genes: Vec<&Gene> = GENES.iter().chain(wall.genes()).collect();
+        let mut intervals: Vec<_> = genes.iter().map(|gene| (gene.lower, gene.upper)).collect();
         for (name, &[lower, upper]) in overrides {
-            let index = GENES.iter().position(|gene| gene.name == name).ok_or_else(|| {
-                let names = GENES.map(|gene| gene.name).join(", ");
+            let index = genes.iter().position(|gene| gene.name == name).ok_or_else(|| {
+                let names: Vec<_> = genes.iter().map(|gene| gene.name).collect();
+                let names = names.join(", ");
                 InvalidBounds(format!("there is no gene `{name}`; the genes are {names}"))
             })?;
             if !((upper - lower).is_finite() && lower <= upper) {
@@ -122,10 +148,15 @@ impl Paper {
             }
             intervals[index] = (lower, upper);
         }
-        Ok(Self { bounds: Bounds::new(intervals)? })
+        Ok(Self { bounds: Bounds::new(intervals)?, wall })
     }
 
-    /// Where each gene may lie, in the order of [`GENES`].
+    /// The genes, in the order of a genome: [`GENES`], then those of the wall.
+    pub fn genes(&self) -> impl Iterator<Item = &'static Gene> {
+        GENES.iter().chain(self.wall.genes())
+    }
+
+    /// Where each gene may lie, in the order of [`Self::genes`].
     #[must_use]
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
@@ -143,7 +174,7 @@ impl Representation for Paper {
     type Phenotype = Network;
 
     fn key(&self) -> &'static str {
-        "paper-22"
+        self.wall.key()
     }
 
     fn random(&self, rng: &mut impl Rng) -> PaperGenome {
@@ -178,11 +209,11 @@ impl Representation for Paper {
     }
 
     /// # Panics
-    /// Never: the topology is fixed and the genes are finite.
+    /// When it is no genome of this representation.
     fn express(&self, genome: &PaperGenome) -> Network {
         let [w1, w2, w3, w4, w5, w6, w7, w8, w9, w10, w11, biases @ ..] = genome.rounded();
         let [bx, by, bz, bt, b1, b2, b_a, b_b, b_c, b_i, b_o] = biases;
-        let draft = NetworkDraft {
+        let mut draft = NetworkDraft {
             length_unit_mm: 10.0,
             output: Some("chamber".to_owned()),
             wall: WallNodes::default(),
@@ -202,29 +233,39 @@ impl Representation for Paper {
                 ),
             ],
         };
+        self.wall.express(&genome.genes[GENES.len()..], &mut draft);
         Network::try_from(draft).expect("the topology is sound and genes are finite")
     }
 }
 
-impl TryFrom<Bounds> for Paper {
+impl TryFrom<Typed> for Paper {
     type Error = GenomeError;
 
-    fn try_from(bounds: Bounds) -> Result<Self, GenomeError> {
-        match bounds.genes() {
-            found if found == GENES.len() => Ok(Self { bounds }),
-            found => Err(GenomeError::Length { found }),
+    fn try_from(typed: Typed) -> Result<Self, GenomeError> {
+        let (bounds, wall) = match typed {
+            Typed::Plain(bounds) => (bounds, WallGenes::default()),
+            Typed::WithWall { bounds, wall } => (bounds, wall),
+        };
+        let (found, expected) = (bounds.genes(), GENES.len() + wall.genes().count());
+        if found == expected {
+            return Ok(Self { bounds, wall });
+        }
+        Err(GenomeError::Length { expected, found })
+    }
+}
+
+impl From<Paper> for Typed {
+    fn from(Paper { bounds, wall }: Paper) -> Self {
+        if wall == WallGenes::default() {
+            Self::Plain(bounds)
+        } else {
+            Self::WithWall { bounds, wall }
         }
     }
 }
 
-impl From<Paper> for Bounds {
-    fn from(paper: Paper) -> Self {
-        paper.bounds
-    }
-}
-
 impl PaperGenome {
-    /// The genes, in the order of [`GENES`].
+    /// The genes, in the order of [`Paper::genes`].
     #[must_use]
     pub fn genes(&self) -> &[f64] {
         &self.genes
@@ -243,12 +284,13 @@ impl TryFrom<Vec<f64>> for PaperGenome {
     type Error = GenomeError;
 
     fn try_from(genes: Vec<f64>) -> Result<Self, GenomeError> {
-        if genes.len() != GENES.len() {
-            return Err(GenomeError::Length { found: genes.len() });
+        let (found, expected) = (genes.len(), GENES.len());
+        if !WallGenes::ALL.iter().any(|wall| found == expected + wall.genes().count()) {
+            return Err(GenomeError::Length { expected, found });
         }
-        for (gene, &value) in GENES.iter().zip(&genes) {
+        for (place, &value) in genes.iter().enumerate() {
             if !value.is_finite() {
-                return Err(GenomeError::NotFinite { name: gene.name, value });
+                return Err(GenomeError::NotFinite { place, value });
             }
         }
         Ok(Self { genes })
@@ -261,11 +303,21 @@ impl From<PaperGenome> for Vec<f64> {
     }
 }
 
-const fn gene(name: &'static str, meaning: &'static str, lower: f64, upper: f64) -> Gene {
+pub(super) const fn gene(
+    name: &'static str,
+    meaning: &'static str,
+    lower: f64,
+    upper: f64,
+) -> Gene {
     Gene { name, meaning, lower, upper, step: None }
 }
 
-fn sum(name: &str, activation: Activation, links: &[(&str, f64)], bias: f64) -> NodeDraft {
+pub(super) fn sum(
+    name: &str,
+    activation: Activation,
+    links: &[(&str, f64)],
+    bias: f64,
+) -> NodeDraft {
     let links: BTreeMap<_, _> = links.iter().map(|&(from, w)| (from.to_owned(), w)).collect();
     NodeDraft { name: name.to_owned(), activation, aggregation: Aggregation::Sum, links, bias }
 }
@@ -325,7 +377,7 @@ mod tests {
         let message = PaperGenome::try_from(vec![0.0; 21]).unwrap_err().to_string();
         assert_eq!(message, "a genome has 22 genes, not 21");
         let message = PaperGenome::try_from(vec![f64::NAN; 22]).unwrap_err().to_string();
-        assert_eq!(message, "gene w1 is NaN; genes must be finite");
+        assert_eq!(message, "gene 0 is NaN; genes must be finite");
     }
 
     #[test]

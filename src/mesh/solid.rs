@@ -48,6 +48,8 @@ pub struct SolidMesh {
     pub outer: Vec<[u32; 6]>,
     /// What closes the chamber where its faces do not.
     pub lids: Vec<Lid>,
+    /// The material of each tetrahedron, by its place in a list; empty where all are of the first.
+    pub materials: Vec<u16>,
 }
 
 /// The corners between which each edge midpoint of a tetrahedron lies.
@@ -119,7 +121,16 @@ impl SolidMesh {
             outer: mesh.outer.iter().map(face).collect(),
             positions,
             lids: Vec::new(),
+            materials: Vec::new(),
         }
+    }
+
+    /// The mean of the corners of each tetrahedron at rest, mm.
+    pub fn centres(&self) -> impl Iterator<Item = Vec3> {
+        let centre = |nodes: &[u32; 10]| {
+            nodes[..4].iter().map(|&node| self.positions[node as usize]).sum::<Vec3>() / 4.0
+        };
+        self.tetrahedra.iter().map(centre)
     }
 
     /// Nodes with `z` below `height` (mm), ascending.

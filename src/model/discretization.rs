@@ -97,16 +97,19 @@ impl Discretization {
     pub(super) fn solid(
         mesh: &SolidMesh,
         thickness: f64,
-        material: &Material,
+        materials: &[Material],
     ) -> Result<Self, Rejected> {
-        let law = material.solid().ok_or_else(|| {
-            let detail = "the material is one of shells alone".to_owned();
-            Rejected::new(Room::Model, Reason::NoSolidLaw, detail, 1.0)
-        })?;
+        let law = |material: &Material| {
+            material.solid().ok_or_else(|| {
+                let detail = "the material is one of shells alone".to_owned();
+                Rejected::new(Room::Model, Reason::NoSolidLaw, detail, 1.0)
+            })
+        };
+        let laws = materials.iter().map(law).collect::<Result<Vec<_>, _>>()?;
         let (boundary, nodes) = mesh.boundary();
         let areas = facet_areas(&boundary.triangles, &boundary.positions);
         let size = (areas.iter().sum::<f64>() / areas.len() as f64).sqrt();
-        let wall = Wall::Solid(TaylorHood::new(mesh, law, size)?);
+        let wall = Wall::Solid(TaylorHood::new(mesh, &laws, size)?);
         let points: Vec<_> = mesh.faces().map(ElementPoints::of_quadratic).collect();
         let surface = SampledSurface::new(
             &boundary.triangles,

@@ -82,7 +82,7 @@ impl PartModel {
         Ok(Self::assembled(parts, loads, held, materials, Samples::InMiddle, &setup))
     }
 
-    /// The solid wall of `mesh`, about `thickness` (mm) thick, made of `material`, held and loaded by `loads`, among what `setup` lists;
+    /// The solid wall of `mesh`, about `thickness` (mm) thick, whose cells name their materials by their places in `materials`, held and loaded by `loads`, among what `setup` lists;
     /// its load is the pressure in the chamber, MPa.
     ///
     /// What is shown are the corners of its boundary, unless `loads` says otherwise.
@@ -93,11 +93,12 @@ impl PartModel {
     pub fn of_solid(
         mesh: &SolidMesh,
         thickness: f64,
-        material: &Material,
+        materials: &(impl AsRef<[Material]> + ?Sized),
         loads: &SolidLoads<'_>,
         setup: &PartSetup,
     ) -> Result<Self, Rejected> {
-        let parts = Discretization::solid(mesh, thickness, material)?;
+        let materials = materials.as_ref();
+        let parts = Discretization::solid(mesh, thickness, materials)?;
         let mut terms = Loads::default();
         if !loads.tractions.is_empty() {
             terms.dead = Some(DeadForces::new(loads.nodal_forces(mesh), &parts.ties));
@@ -105,7 +106,7 @@ impl PartModel {
         if !mesh.chamber.is_empty() {
             terms.others.push(Box::new(loads.chamber(mesh)));
         }
-        let (held, materials) = (loads.held.clone(), material.as_ref());
+        let held = loads.held.clone();
         let mut model = Self::assembled(parts, terms, held, materials, Samples::OnFace, setup);
         if let Some(points) = loads.shown {
             model.shown = samples_in(mesh, points)?;

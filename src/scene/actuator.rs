@@ -56,10 +56,10 @@ impl Actuator {
         lies.iter().chain(&judgement).for_each(|line| observer.warning(line));
         let solid = match &scene.solid {
             None => None,
-            Some(section) => Some(SolidPart::new(&model, &mesh.section, section)?.map_err(failed)?),
+            Some(section) => Some(SolidPart::new(&mesh, &model, section)?.map_err(failed)?),
         };
         if let Some(solid) = &solid {
-            model = solid.model(&mesh, &materials[0], &setup).map_err(failed)?;
+            model = solid.model(&mesh, &materials, &setup).map_err(failed)?;
         }
         Ok(Self { mesh, surface, model, solid })
     }

@@ -7,7 +7,7 @@ use std::fmt::Write;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::Value;
 
-use crate::genome::GENES;
+use crate::genome::{GENES, MATERIAL_GENES, THICKNESS_GENES};
 
 /// A section of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -245,7 +245,8 @@ fn defaults_of<'a>(defaults: &'a str, name: &str) -> Vec<&'a str> {
 /// What the gene of a line of `[genes]` is.
 fn gene(section: &str, line: &str) -> Option<String> {
     let name = line.split_once(" = ").filter(|_| section == "genes")?.0;
-    GENES.iter().find(|gene| gene.name == name).map(|gene| gene.meaning.to_owned())
+    let of_wall = THICKNESS_GENES.iter().chain(&MATERIAL_GENES);
+    GENES.iter().chain(of_wall).find(|gene| gene.name == name).map(|gene| gene.meaning.to_owned())
 }
 
 fn push(text: &mut String, line: std::fmt::Arguments<'_>) {

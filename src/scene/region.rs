@@ -64,6 +64,8 @@ impl Visitor<'_> for NumberOrText {
 pub(crate) struct Regions<'a> {
     sections: &'a [RegionSection],
     formulas: Vec<RegionFormulas>,
+    /// Materials before those of the regions.
+    first: u16,
 }
 
 struct RegionFormulas {
@@ -76,11 +78,15 @@ pub(crate) const COORDINATES: &[&str] = &["x", "y", "z"];
 pub(crate) const PARAMETERS: &[&str] = &["s", "t"];
 
 impl<'a> Regions<'a> {
-    /// Those of `sections`, with formulas of these `variables`.
+    /// Those of `sections`, with formulas of these `variables`; their materials come behind the `first` ones.
     ///
     /// # Errors
     /// When a region says nothing, a formula cannot be read, or there are more materials than a wall can have.
-    pub(crate) fn new(sections: &'a [RegionSection], variables: &[&str]) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        sections: &'a [RegionSection],
+        variables: &[&str],
+        first: u16,
+    ) -> anyhow::Result<Self> {
         let formulas = sections.iter().map(|section| {
             ensure!(
                 section.thickness.is_some() || section.material.is_some(),
@@ -96,27 +102,21 @@ impl<'a> Regions<'a> {
         });
         let formulas = formulas.collect::<anyhow::Result<_>>()?;
         ensure!(sections.len() < MOST_REGIONS, "more than {MOST_REGIONS} [[region]]s");
-        Ok(Self { sections, formulas })
+        Ok(Self { sections, formulas, first })
     }
 
-    /// Whether there is none.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.sections.is_empty()
-    }
-
-    /// The materials of a wall that is of `first` where no region says otherwise: `first`, then that of each region.
+    /// Appends the material of each region that has one to the wall's `materials`.
     ///
     /// # Errors
     /// When a region's material is none.
-    pub(crate) fn materials(
+    pub(crate) fn append_materials(
         sections: &[RegionSection],
-        first: Material,
-    ) -> anyhow::Result<Vec<Material>> {
-        let mut materials = vec![first];
+        materials: &mut Vec<Material>,
+    ) -> anyhow::Result<()> {
         for section in sections.iter().filter_map(|section| section.material.as_ref()) {
             materials.push(section.material().context("[region.material]")?);
         }
-        Ok(materials)
+        Ok(())
     }
 
     /// The section of a closed shell, whose positions the file has moved by `moved` (mm).
@@ -171,18 +171,20 @@ impl<'a> Regions<'a> {
                 let middle = corners.iter().map(|&v| variables[v as usize]).sum::<Vec3>() / 3.0;
                 self.material_at(&middle)
             };
-            section = section.with_materials(triangles.iter().map(of_triangle).collect());
+            let own = triangles.iter().map(of_triangle).enumerate();
+            let materials = own.map(|(t, own)| own.unwrap_or_else(|| plain.material(t))).collect();
+            section = section.with_materials(materials);
         }
         Ok(section)
     }
 
-    /// The place in the list of materials of that at a point.
-    pub(crate) fn material_at(&self, at: &Vec3) -> u16 {
+    /// The place in the list of materials of that at a point; `None` where no region says one.
+    fn material_at(&self, at: &Vec3) -> Option<u16> {
         let with_material = self.sections.iter().zip(&self.formulas);
         let with_material = with_material.filter(|(section, _)| section.material.is_some());
-        let numbered = (1..).zip(with_material);
+        let numbered = (self.first..).zip(with_material);
         let within = numbered.filter(|(_, (_, region))| region.contains(at));
-        within.last().map_or(0, |(material, _)| material)
+        within.last().map(|(material, _)| material)
     }
 }
 

@@ -9,25 +9,25 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::checks::{check_distance, check_normal, check_shell, check_solver};
 use super::gravity::GravitySection;
-use super::keys::{annotated, sections};
 use super::material::{MaterialSection, positive, within};
 use super::mesh_section::{Edge, MeshSection};
 use super::part::Part;
+use super::pattern::PatternSection;
 use super::region::{COORDINATES, PARAMETERS, RegionSection, Regions};
 use super::verify_section::{MeshSize, VerifySection};
 use super::watch::{WatchSection, Watchable};
 use crate::field::DesignBox;
-use crate::fitness::{FidelitySettings, LoadSettings};
+use crate::fitness::{FidelitySettings, LoadSettings, WallPattern};
 use crate::io::toml_file;
 use crate::math::Vec3;
-use crate::mesh::{MeshSettings, ShellSettings};
+use crate::mesh::ShellSettings;
 use crate::model::contact::{PlaneSettings, SelfContactSettings};
 use crate::model::material::Material;
 use crate::model::{FoldContact, PartSetup};
 use crate::scene::part::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PinSection, check_patch_pressure,
 };
-use crate::scene::part::solid_part::SolidSection;
+use crate::scene::part::solid_part::{ONE_THICKNESS, SolidSection};
 use crate::solve::{Backend, LinearMethod, PathSettings, Programme, Supply};
 
 /// A scene file.
@@ -45,6 +45,9 @@ pub(crate) struct SceneFile {
     pub wall: ShellSettings,
     #[serde(default)]
     pub material: MaterialSection,
+    /// For a network that says what its wall is made of: what it may say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<PatternSection>,
     /// Where the wall is thicker, thinner or of another material; none is listed, it is the same everywhere.
     #[serde(default, rename = "region", skip_serializing_if = "Vec::is_empty")]
     pub regions: Vec<RegionSection>,
@@ -218,7 +221,7 @@ fn default_backend() -> Backend {
     if Backend::Petsc.is_built_in() { Backend::Petsc } else { Backend::Native }
 }
 
-fn default_solver() -> SolverSection {
+pub(super) fn default_solver() -> SolverSection {
     SolverSection { backend: default_backend(), linear: LinearMethod::Automatic }
 }
 
@@ -242,6 +245,10 @@ impl SceneFile {
         check_shell(&self.wall, &self.load_settings())?;
         self.mesh.check(&self.part, self.design_box)?;
         self.materials()?;
+        ensure!(
+            self.pattern.is_none() || self.part.network.is_some(),
+            "[pattern] wants a [part] with a `network`, which says where the wall is another one; see [[region]]"
+        );
         for plane in &self.planes {
             check_normal("[[plane]] normal", plane.normal)?;
             check_distance("[[plane]] distance", plane.distance)?;
@@ -269,12 +276,16 @@ impl SceneFile {
                 section.coarser.is_none() && section.fidelity == FidelitySettings::default(),
                 "[solid] coarser and fidelity are for `certify` and run files; a scene has one solid"
             );
-            section.check_material(&self.material.material()?)?;
+            for material in self.materials()? {
+                section.check_material(&material)?;
+            }
+            let varies = self.regions.iter().any(|region| region.thickness.is_some());
+            ensure!(!varies && self.pattern()?.thickness.is_none(), ONE_THICKNESS);
         }
         let is_solid = self.solid.is_some() || self.part.tetrahedra.is_some();
         ensure!(
-            self.regions().map(|regions| regions.is_empty())? || !is_solid,
-            "a [[region]] is one of shells; take it away, or the solid"
+            self.part.tetrahedra.is_none() || self.regions.is_empty(),
+            "a [[region]] is one of a shell's middle; tetrahedra of your own have none"
         );
         ensure!(
             self.self_contact.is_none() || !is_solid,
@@ -283,17 +294,24 @@ impl SceneFile {
         self.check_conditions()
     }
 
-    /// The materials of the wall: that of `[material]`, then those of the regions.
+    /// The materials of the wall: that of `[material]`, that of the pattern, those of the regions.
     pub(crate) fn materials(&self) -> anyhow::Result<Vec<Material>> {
-        Regions::materials(&self.regions, self.material.material()?)
+        let mut materials = vec![self.material.material()?];
+        materials.extend(self.pattern()?.material);
+        Regions::append_materials(&self.regions, &mut materials)?;
+        Ok(materials)
+    }
+
+    /// What its network may say of the wall.
+    pub(crate) fn pattern(&self) -> anyhow::Result<WallPattern> {
+        self.pattern.as_ref().map_or_else(|| Ok(WallPattern::default()), PatternSection::pattern)
     }
 
     /// Where the wall is another one.
     pub(crate) fn regions(&self) -> anyhow::Result<Regions<'_>> {
-        Regions::new(
-            &self.regions,
-            if self.part.patch.is_some() { PARAMETERS } else { COORDINATES },
-        )
+        let variables = if self.part.patch.is_some() { PARAMETERS } else { COORDINATES };
+        let first = 1 + u16::from(self.pattern()?.material.is_some());
+        Regions::new(&self.regions, variables, first)
     }
 
     /// The barrier between folds of the wall, if they are kept apart.
@@ -528,85 +546,3 @@ const MOST_FRICTION: f64 = 100.0;
 
 /// Pressure between folds that no pressure presses together, as a share of the shear modulus.
 const SHARE_OF_STIFFNESS: f64 = 0.01;
-
-/// A list has no default to print.
-const LIST_EXAMPLES: &str = "
-# Folds of the wall keep each other off, instead of passing through each other.
-# [self_contact]
-# activation = 0.2  # gap at which they begin to push, in thicknesses
-# pressure = 0.2  # about how hard they press, MPa; the largest pressure where it is left out
-
-# Your own surface, the middle of the wall: [part] stl = \"part.stl\", with axis = \"x\" where it lies along x and scale = 1000 where it is in
-# metres. [mesh] edge is 1.5 wall thicknesses where it is left out; edge = \"as given\" keeps the file's triangles.
-
-# The wall in tetrahedra (a network or an STL file), instead of a shell. Or your own: [part] tetrahedra = \"wall.msh\",
-# with chamber = \"name\" (or number) of the physical group of its triangles, and close_inlet = true where that is open at a flat inlet
-# [solid]
-# edge = 2.0  # mm, on the wall's faces
-# layers = 1  # through the wall; as many as make tetrahedra as high as wide where it is left out
-# mesher = \"tetgen\"  # or gmsh; the one and then the other where it is left out
-
-# A part of the wall that is thicker, thinner or of another material; as many as needed, of which the last counts where they overlap.
-# [[region]]
-# where = \"-8 - x\"  # a formula of x, y, z at rest (mm; of a patch of s, t), positive in the region
-# thickness = 2.4  # or a formula, as \"1.6 + 0.01*z\"; as [wall] says where it is left out
-# material = { law = \"neo-hookean\", mu = 5.0 }
-
-# A rigid plane on the -x side; as many as needed.
-# [[plane]]
-# normal = [1.0, 0.0, 0.0]
-# distance = 5.0
-# friction = 0.4  # Coulomb's coefficient; 0 computes none
-
-# A number followed along the path, in watches.csv: tip with a direction, chord-angle, volume-growth, stored-energy.
-# [[watch]]
-# name = \"chord\"
-# measure = \"chord-angle\"
-
-# Instead of [part] network: [part.sphere], [part.ellipsoid] (verify/shells has both), or an open surface of formulas
-# with dead loads, of which examples/scenes/plate.toml explains every key:
-# [part.patch]
-# s = [0, 40]
-# t = [0, 25]
-# cells = [8, 8]
-# x = \"25*sin(s*pi/180)\"
-# y = \"t\"
-# z = \"25*cos(s*pi/180)\"
-# [[edge]]
-# side = \"t0\"  # or s0, s1, t1
-# clamped = true  # or symmetry = \"y\", or hold = [\"x\", \"z\"]
-# [[force]]
-# per_area = [0, 0, -1e-4]  # MPa; or at with force, or side with per_length, which `follower = true` turns with the wall
-";
-
-/// A scene file with every default, as TOML.
-pub(crate) fn defaults() -> String {
-    let scene = SceneFile {
-        part: Part { network: Some("network.toml".into()), ..Part::default() },
-        design_box: DesignBox::default(),
-        mesh: MeshSection {
-            edge: Some(Edge::Length(MeshSettings::default().edge)),
-            ..MeshSection::default()
-        },
-        wall: ShellSettings::default(),
-        material: MaterialSection::default(),
-        load: LoadSection {
-            pressure: Some(LoadSettings::default().pressure),
-            ..LoadSection::default()
-        },
-        solver: default_solver(),
-        self_contact: None,
-        regions: Vec::new(),
-        gravity: None,
-        solid: None,
-        planes: Vec::new(),
-        edges: Vec::new(),
-        pins: Vec::new(),
-        forces: Vec::new(),
-        moments: Vec::new(),
-        watches: Vec::new(),
-        verify: None,
-    };
-    let defaults = toml::to_string(&scene).expect("the defaults are plain numbers and words");
-    annotated(&defaults, &sections::<SceneFile>()) + LIST_EXAMPLES
-}

@@ -386,12 +386,12 @@ pub(crate) fn certify(
     stop: Stop<'_>,
 ) -> anyhow::Result<Result<Certified, Rejected>> {
     let walked = |section: &SolidSection| -> anyhow::Result<Result<_, Rejected>> {
-        let solid = match SolidPart::new(scenarios.model(), &shell.section, section)? {
+        let solid = match SolidPart::new(shell, scenarios.model(), section)? {
             Ok(solid) => solid,
             Err(rejected) => return Ok(Err(rejected)),
         };
-        let CandidateSettings { load, fitness, backend, material, .. } = settings;
-        let part = SolidOfShell { solid: &solid, shell, material };
+        let CandidateSettings { load, fitness, backend, .. } = settings;
+        let part = SolidOfShell { solid: &solid, shell, materials: &settings.materials() };
         match evaluate(&part, load, fitness, *backend, stop) {
             Ok((evaluation, scenarios)) => Ok(Ok((solid, evaluation, scenarios))),
             Err(NotEvaluated::Rejected(rejected)) => Ok(Err(rejected)),
@@ -418,7 +418,7 @@ pub(crate) fn certify(
 struct SolidOfShell<'a> {
     solid: &'a SolidPart,
     shell: &'a ShellMesh,
-    material: &'a Material,
+    materials: &'a [Material],
 }
 
 impl Part for SolidOfShell<'_> {
@@ -427,7 +427,7 @@ impl Part for SolidOfShell<'_> {
     }
 
     fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected> {
-        self.solid.model(self.shell, self.material, setup)
+        self.solid.model(self.shell, self.materials, setup)
     }
 
     fn wall_volume_cm3(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 
 use super::run_folder::RunFolder;
 use crate::evolve::IndividualId;
@@ -25,6 +25,7 @@ pub(crate) fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Resu
     let record = logged.all().find(|record| record.id == id).with_context(|| {
         format!("{} has no individual {id}; front.csv lists its best", folder.path().display())
     })?;
+    ensure!(run.pattern.is_none(), "[pattern] is not written into decks");
     let mut settings = run.candidate_settings()?;
     let was_incompressible = settings.material.poisson_ratio() == 0.5;
     let material = compressible(&settings.material, choices.poisson_ratio)?;

@@ -69,6 +69,10 @@ impl Export<'_> {
         OutputFolder::check_new(self.out)?;
         within("--density", self.print.density, 0.01, 30.0)?;
         let (name, network, run) = self.design()?;
+        ensure!(
+            run.pattern()?.thickness.is_none(),
+            "a wall of one thickness is exported, and the run has [pattern] thickness"
+        );
         let thickness = run.wall.thickness;
         let base_height = run.wall.clamp_height * thickness;
         within("--edge", self.edge, 0.1, 20.0)?;

@@ -5,7 +5,7 @@
 //!   several, [`Inherited`] becomes an enum of them that implements [`Representation`] by asking the one chosen.
 
 use crate::evolve;
-use crate::genome::{GENES, Paper, Representation};
+use crate::genome::{Paper, Representation};
 
 /// The representation of a run's designs; its genomes stand for networks.
 pub(crate) type Inherited = Paper;
@@ -21,14 +21,17 @@ pub(crate) type Checkpoint = evolve::Checkpoint<Inherited>;
 /// The genes of `[genes]` in a run file: name and bounds `[lower, upper]` of each.
 pub(crate) fn named_bounds(inherited: &Inherited) -> impl Iterator<Item = (String, [f64; 2])> {
     let intervals = inherited.bounds().intervals().iter();
-    GENES
-        .iter()
+    inherited
+        .genes()
         .zip(intervals)
         .map(|(gene, &(lower, upper))| (gene.name.to_owned(), [lower, upper]))
 }
 
 /// What a reader is shown of `genome`: name and value of each gene.
 #[cfg(feature = "monitor")]
-pub(crate) fn named_genes(genome: &Genome) -> impl Iterator<Item = (&'static str, f64)> {
-    GENES.iter().zip(genome.genes()).map(|(gene, &value)| (gene.name, value))
+pub(crate) fn named_genes(
+    inherited: &Inherited,
+    genome: &Genome,
+) -> impl Iterator<Item = (&'static str, f64)> {
+    inherited.genes().zip(genome.genes()).map(|(gene, &value)| (gene.name, value))
 }

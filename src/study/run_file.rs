@@ -10,13 +10,14 @@ use serde::{Deserialize, Serialize};
 use super::inherited::{Inherited, named_bounds};
 use crate::evolve::Nsga2Settings;
 use crate::field::DesignBox;
-use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings};
+use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings, WallPattern};
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
 use crate::scene::checks::{check_distance, check_mesh, check_normal, check_shell, check_solver};
 use crate::scene::keys::{annotated, sections};
 use crate::scene::material::{MaterialSection, positive, within};
-use crate::scene::part::solid_part::SolidSection;
+use crate::scene::part::solid_part::{ONE_THICKNESS, SolidSection};
+use crate::scene::pattern::PatternSection;
 use crate::solve::Backend;
 
 /// A run file.
@@ -30,6 +31,9 @@ pub struct RunFile {
     pub(crate) mesh: MeshSettings,
     pub(crate) wall: ShellSettings,
     pub(crate) material: MaterialSection,
+    /// A wall that is not the same everywhere, by further genes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) pattern: Option<PatternSection>,
     pub(crate) load: LoadSettings,
     pub(crate) solver: SolverSection,
     /// The front again as solids, when the search is over.
@@ -56,6 +60,7 @@ impl Default for RunFile {
             mesh: MeshSettings::default(),
             wall: ShellSettings::default(),
             material: MaterialSection::default(),
+            pattern: None,
             load: LoadSettings::default(),
             // A search runs on threads, and PETSc would make them take turns.
             solver: SolverSection { backend: Backend::Native },
@@ -102,6 +107,8 @@ impl RunFile {
         if let Some(section) = &self.solid {
             section.check()?;
             section.check_material(&self.material.material()?)?;
+            self.pattern()?.material.map_or(Ok(()), |second| section.check_material(&second))?;
+            ensure!(self.pattern()?.thickness.is_none(), ONE_THICKNESS);
         }
         self.evolution.validate().context("[evolution]")?;
         self.representation()?;
@@ -130,9 +137,22 @@ impl RunFile {
         Ok(())
     }
 
+    /// What the networks of its designs may say of their walls.
+    pub(crate) fn pattern(&self) -> anyhow::Result<WallPattern> {
+        self.pattern.as_ref().map_or_else(|| Ok(WallPattern::default()), PatternSection::pattern)
+    }
+
     /// What the designs inherit.
     pub(crate) fn representation(&self) -> anyhow::Result<Inherited> {
-        Inherited::new(&self.genes).context("[genes]")
+        let Some(pattern) = &self.pattern else {
+            return Inherited::new(&self.genes).context("[genes]");
+        };
+        let mut genes = self.genes.clone();
+        if let Some(bounds) = pattern.thickness {
+            // Where a network's thickness begins; what x, pleats and lobes make of it is bounded too.
+            genes.entry("tO".to_owned()).or_insert(bounds);
+        }
+        Inherited::with_wall(pattern.genes(), &genes).context("[genes]")
     }
 
     /// What decides a candidate's outcome.
@@ -145,6 +165,7 @@ impl RunFile {
             mesh: self.mesh,
             wall: self.wall,
             material: self.material.material()?,
+            pattern: self.pattern()?,
             load: self.load,
             fitness: self.fitness.clone(),
             backend: self.solver.backend,

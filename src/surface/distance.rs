@@ -40,6 +40,12 @@ impl SignedDistance {
         (around.low, around.high)
     }
 
+    /// The triangle nearest to `point`.
+    #[must_use]
+    pub fn nearest_triangle(&self, point: Vec3) -> usize {
+        self.tree.numbers[self.tree.nearest(point, f64::INFINITY).facet] as usize
+    }
+
     /// The distance at `point`, known to be at most `bound` in size, and its gradient.
     pub(super) fn within(&self, point: Vec3, bound: f64) -> (f64, Vec3) {
         let nearest = self.tree.nearest(point, bound);
@@ -80,7 +86,11 @@ fn facets(mesh: &TriangleMesh) -> Result<Vec<Facet>, MeshDefect> {
         let half_edges = [0, 1, 2].map(|k| 3 * t as u32 + k);
         let [ab, bc, ca] = half_edges.map(|h| face_normals[t] + normal_left_of(surface.twin(h)));
         let [a, b, c] = triangle.map(|v| corner_normals[v as usize]);
-        Facet { corners: mesh.corners(t), normals: [face_normals[t], ab, bc, ca, a, b, c] }
+        Facet {
+            number: t as u32,
+            corners: mesh.corners(t),
+            normals: [face_normals[t], ab, bc, ca, a, b, c],
+        }
     };
     Ok(mesh.triangles.iter().enumerate().map(facet).collect())
 }

@@ -10,7 +10,9 @@ pub(super) struct FacetTree {
     tree: BoxTree,
     /// Around the facets of each node.
     boxes: Vec<Box3>,
-    /// Corners of the facets, in the order of the leaves.
+    /// The number of each facet, in the order of the leaves.
+    pub(super) numbers: Vec<u32>,
+    /// Their corners.
     corners: Vec<[Vec3; 3]>,
     /// Normals of each facet's face, edges 01, 12, 20 and corners 0, 1, 2; not of unit length.
     pub(super) normals: Vec<[Vec3; 7]>,
@@ -18,6 +20,8 @@ pub(super) struct FacetTree {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
+    /// By which it is told.
+    pub(super) number: u32,
     pub(super) corners: [Vec3; 3],
     pub(super) normals: [Vec3; 7],
 }
@@ -55,9 +59,10 @@ impl FacetTree {
             },
             &|a, b, axis| centre(a, axis).total_cmp(&centre(b, axis)),
         );
+        let numbers = facets.iter().map(|facet| facet.number).collect();
         let (corners, normals) =
             facets.into_iter().map(|facet| (facet.corners, facet.normals)).unzip();
-        Self { tree, boxes, corners, normals }
+        Self { tree, boxes, numbers, corners, normals }
     }
 
     /// The box around all, mm.

@@ -3,6 +3,10 @@
 use super::parts::bent;
 use super::workshop::Workshop;
 
+/// A tube of 8 mm radius.
+const TUBE: &str = "[[node]]\nname = \"tube\"\nlinks = { r = 1.0 }\nbias = -0.8\n";
+const TIP: &str = "[[watch]]\nname = \"x\"\nmeasure = \"tip\"\ndirection = [1, 0, 0]\n";
+
 /// A strip of 12 x 1 mm between planes of symmetry, clamped at x = 0, that bears 1e-6 N/mm at its end; a beam.
 const BEAM: &str = r#"
 [part.patch]
@@ -98,10 +102,9 @@ fn a_region_has_its_own_wall() {
 #[test]
 fn a_stiff_side_bends_the_part_towards_it() {
     let workshop = Workshop::new();
-    workshop.write("network.toml", "[[node]]\nname = \"tube\"\nlinks = { r = 1.0 }\nbias = -0.8\n");
-    let watch = "[[watch]]\nname = \"x\"\nmeasure = \"tip\"\ndirection = [1, 0, 0]\n";
+    workshop.write("network.toml", TUBE);
     let end = |name: &str, regions: &str| {
-        workshop.write("scene.toml", format!("{}{regions}{watch}", bent(4.0, 0.02, 1)));
+        workshop.write("scene.toml", format!("{}{regions}{TIP}", bent(4.0, 0.02, 1)));
         workshop.succeed(&["simulate", "scene.toml", "--out", name]);
         *workshop.column(&format!("{name}/watches.csv"), "value").last().unwrap()
     };
@@ -110,7 +113,7 @@ fn a_stiff_side_bends_the_part_towards_it() {
     let [plain, back, front] =
         [end("plain", ""), end("back", &stiff("-x")), end("front", &stiff("x"))];
     assert!(back < 0.0 && front > 0.0, "{back} {plain} {front}");
-    assert!(plain.abs() < 0.01 * front && (back + front).abs() < 0.2 * front, "{back} {front}");
+    assert!(plain.abs() < 0.1 * front && (back + front).abs() < 0.2 * front, "{back} {front}");
 }
 
 #[test]
@@ -130,7 +133,89 @@ fn a_wrong_region_is_told_in_a_line() {
     let region = "[[region]]\nthickness = 1.0\n";
     let scene = format!("{}{region}", bent(4.0, 0.01, 1));
     let solid = "[solid]\nedge = 2.0\n";
-    workshop.refuse_scene(&format!("{scene}{solid}"), &["a [[region]] is one of shells"]);
+    workshop.refuse_scene(&format!("{scene}{solid}"), &["a [solid] wants a wall of one thickness"]);
     workshop.write("scene.toml", scene);
     workshop.refuse(&["deck", "scene.toml", "--out", "deck"], 1, &["[[region]]"]);
+}
+
+/// The tube stiff on one side, as a shell and as a solid of the same two materials: their chambers grow alike to 2 %, as those of
+/// plain walls do in cells of 3 mm, and both bend the same way. (How far is of second order in the pressure: a closed thin tube of
+/// an incompressible material keeps its length at first order, whatever its sides are made of.)
+#[test]
+fn a_shell_and_a_solid_of_two_materials_grow_alike() {
+    let workshop = Workshop::new();
+    workshop.write("network.toml", TUBE);
+    let ends = |name: &str, solid: &str| {
+        let scene = bent(3.0, 0.02, 1);
+        let short = "[box]\nmin = [-10.0, -10.0, 0.0]\nmax = [10.0, 10.0, 40.0]\n";
+        let region = "[[region]]\nwhere = \"-x\"\nmaterial = { law = \"neo-hookean\", mu = 5.0 }\n";
+        workshop.write("scene.toml", format!("{scene}{short}{region}{solid}{TIP}"));
+        workshop.succeed(&["simulate", "scene.toml", "--out", name]);
+        let volumes = workshop.column(&format!("{name}/path.csv"), "volume_mm3");
+        let tip = workshop.column(&format!("{name}/watches.csv"), "value");
+        (volumes[1] - volumes[0], tip[1])
+    };
+    let [(shell, to), (solid, too)] = [ends("shell", ""), ends("solid", "[solid]\nedge = 3.0\n")];
+    assert!((solid / shell - 1.0).abs() < 0.02, "{shell} {solid}");
+    assert!(to < 0.0 && too < 0.0, "{to} {too}");
+}
+
+/// A scene whose network says where its wall is thick and stiff; and what it may not say is told.
+#[test]
+fn a_network_may_say_what_its_wall_is_made_of() {
+    let workshop = Workshop::new();
+    let node = "[[node]]\nname = \"side\"\nlinks = { x = -1.0 }\n";
+    let of_wall = |wall: &str| format!("output = \"tube\"\n[wall]\n{wall}\n{TUBE}{node}");
+    let pattern = "[pattern]\nmaterial = { law = \"neo-hookean\", mu = 10.0 }\n";
+    let scene = |pattern: &str| format!("{}{pattern}{TIP}", bent(4.0, 0.02, 1));
+    workshop.write("network.toml", of_wall("material = \"side\""));
+    workshop.write("scene.toml", scene(pattern));
+    workshop.succeed(&["simulate", "scene.toml", "--out", "of_network"]);
+    // The same region of a scene; the network's side has x in cm.
+    workshop.write("network.toml", TUBE);
+    let region = "[[region]]\nwhere = \"-x\"\nmaterial = { law = \"neo-hookean\", mu = 10.0 }\n";
+    workshop.write("scene.toml", scene(region));
+    workshop.succeed(&["simulate", "scene.toml", "--out", "of_scene"]);
+    let value = |name: &str| workshop.column(&format!("{name}/watches.csv"), "value");
+    assert_eq!(value("of_network"), value("of_scene"));
+
+    workshop.refuse_scene(&scene(pattern), &["[pattern] material wants a network whose [wall]"]);
+    workshop.write("network.toml", of_wall("thickness = \"side\""));
+    workshop.refuse_scene(&scene(""), &["network.toml", "[pattern] thickness = [0.8, 2.4]"]);
+    workshop
+        .refuse_scene(&scene("[pattern]\n"), &["[pattern] wants a `thickness` or a `material`"]);
+    let reversed = "[pattern]\nthickness = [2.0, 1.0]\n";
+    workshop.refuse_scene(&scene(reversed), &["the smaller one comes first"]);
+    workshop.write("network.toml", of_wall("thickness = \"tub\""));
+    workshop.refuse_scene(&scene(""), &["did you mean `tube`?"]);
+}
+
+/// A search with genes of the wall ends, to the same bytes from a checkpoint, and its designs are read again with what they inherit.
+#[test]
+fn a_search_evolves_the_wall() {
+    let workshop = Workshop::new();
+    let run = |generations: usize| {
+        format!(
+            "[evolution]\npopulation = 6\ngenerations = {generations}\nseed = 3\n[mesh]\nedge = 5.0\n\
+             [load]\npressure = 0.02\n[load.path]\nsteps = 2\n[material]\nlaw = \"neo-hookean\"\nmu = 1.0\n\
+             [pattern]\nthickness = [1.0, 2.0]\nmaterial = {{ law = \"neo-hookean\", mu = 5.0 }}\n"
+        )
+    };
+    workshop.write("run.toml", run(2));
+    workshop.succeed(&["evolve", "run.toml", "--out", "whole"]);
+    workshop.write("run.toml", run(1));
+    workshop.succeed(&["evolve", "run.toml", "--out", "parts"]);
+    workshop.write("run.toml", run(2));
+    workshop.succeed(&["evolve", "run.toml", "--out", "parts", "--resume"]);
+    assert_eq!(workshop.read("whole/front.csv"), workshop.read("parts/front.csv"));
+    let records = workshop.read("whole/candidates.jsonl");
+    let record: serde_json::Value = serde_json::from_str(records.lines().next().unwrap()).unwrap();
+    assert_eq!(record["genome"].as_array().unwrap().len(), 22 + 4 + 4);
+    let front = workshop.read("whole/front.csv");
+    let id = front.lines().nth(1).unwrap().split(',').next().unwrap();
+    let network = workshop.read(&format!("whole/front/{id}/genome.toml"));
+    assert!(
+        network.contains("[wall]\nthickness = \"thickness\"\nmaterial = \"side\""),
+        "{network}"
+    );
 }

@@ -61,7 +61,7 @@ mod tests {
         let both = |side: f64| {
             let settings = ShellSettings { thickness: 1.0, ..ShellSettings::default() };
             let shell = ShellMesh::new(balloon(side), &settings).unwrap();
-            let part = ShellPart { shell: &shell, material: &material };
+            let part = ShellPart { shell: &shell, materials: material.as_ref() };
             let evaluated = evaluate(&part, &load, &asked, Backend::Native, Stop::NEVER);
             let (evaluation, scenarios) = evaluated.unwrap();
             assert_eq!(scenarios.walked.len(), 3);

@@ -33,7 +33,9 @@ pub struct TaylorHood {
     cells: Vec<Cell>,
     /// Nodes at rest, mm.
     reference: Vec<Vec3>,
-    law: SolidLaw,
+    laws: Vec<SolidLaw>,
+    /// The place of each cell's law; empty where all have the first.
+    materials: Vec<u16>,
     /// MPa for each mm of an unknown.
     pressure_unit: f64,
 }
@@ -46,16 +48,18 @@ struct Cell {
 }
 
 impl TaylorHood {
-    /// The cells of `mesh`, whose pressures are the nodes after those of the mesh; `size` is about theirs, mm.
+    /// The cells of `mesh`, whose materials are places in `laws`, and whose pressures are the nodes after those of the mesh; `size` is about theirs, mm.
     ///
     /// # Errors
     /// [`Rejected`] when a cell is inverted at rest.
-    pub fn new(mesh: &SolidMesh, law: SolidLaw, size: f64) -> Result<Self, Rejected> {
+    pub fn new(mesh: &SolidMesh, laws: &[SolidLaw], size: f64) -> Result<Self, Rejected> {
         let first_pressure = mesh.positions.len() as u32;
         let (stencils, cells) = mesh.tetrahedra.iter().map(|t| stencil(t, first_pressure)).unzip();
-        let pressure_unit = law.shear_modulus() / size;
+        let stiffest = laws.iter().map(SolidLaw::shear_modulus).fold(0.0, f64::max);
+        let pressure_unit = stiffest / size;
         let reference = mesh.positions.clone();
-        let body = Self { stencils, cells, reference, law, pressure_unit };
+        let (laws, materials) = (laws.to_vec(), mesh.materials.clone());
+        let body = Self { stencils, cells, reference, laws, materials, pressure_unit };
         for (s, nodes) in mesh.tetrahedra.iter().enumerate() {
             if body.shapes(s).any(|point| point.is_none()) {
                 let at = body.reference[nodes[0] as usize];
@@ -97,10 +101,10 @@ impl TaylorHood {
     #[must_use]
     pub fn pressure_complements(&self, pressures: usize) -> Vec<f64> {
         let first = self.reference.len();
-        let compliance = self.law.shear_modulus().recip() + self.compliance();
-        let scale = compliance * self.pressure_unit * self.pressure_unit;
         let mut sums = vec![0.0; pressures];
         for (s, stencil) in self.stencils.iter().enumerate() {
+            let compliance = self.law(s).shear_modulus().recip() + self.compliance(s);
+            let scale = compliance * self.pressure_unit * self.pressure_unit;
             for Shapes { corners, dv, .. } in self.shapes(s).flatten() {
                 for (&node, l) in stencil[NODES..].iter().zip(corners) {
                     sums[node as usize - first] += scale * dv * l * l;
@@ -138,7 +142,7 @@ impl TaylorHood {
         self.shapes(s).flatten().map(move |shapes| {
             let f = shapes.deformation_gradient(x);
             let p = self.pressure(&shapes, q);
-            let nominal = self.law.response(&f, false).stress + p * cofactor(&f);
+            let nominal = self.law(s).response(&f, false).stress + p * cofactor(&f);
             (shapes.dv, f, nominal * f.transpose() / f.determinant())
         })
     }
@@ -171,14 +175,18 @@ impl TaylorHood {
         self.pressure_unit * sum
     }
 
-    /// `1 / kappa`, 1/MPa.
-    fn compliance(&self) -> f64 {
-        self.law.bulk_modulus().map_or(0.0, f64::recip)
+    fn law(&self, s: usize) -> &SolidLaw {
+        &self.laws[self.materials.get(s).map_or(0, |&material| usize::from(material))]
+    }
+
+    /// `1 / kappa` of cell `s`, 1/MPa.
+    fn compliance(&self, s: usize) -> f64 {
+        self.law(s).bulk_modulus().map_or(0.0, f64::recip)
     }
 
     /// `1 / kappa` as the tangent has it.
-    fn tangent_compliance(&self) -> f64 {
-        self.compliance().max(LEAST_COMPLIANCE / self.law.shear_modulus())
+    fn tangent_compliance(&self, s: usize) -> f64 {
+        self.compliance(s).max(LEAST_COMPLIANCE / self.law(s).shear_modulus())
     }
 }
 
@@ -230,13 +238,13 @@ impl Term for TaylorHood {
 
     fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
         let (x, q) = x.split_at(NODES);
-        let compliance = self.compliance();
+        let (compliance, law) = (self.compliance(s), self.law(s));
         let mut energy = 0.0;
         for shapes in self.shapes(s).flatten() {
             let f = shapes.deformation_gradient(x);
             let j = admissible(&f)?;
             let p = self.pressure(&shapes, q);
-            energy += shapes.dv * (self.law.energy(&f) + p * (j - 1.0) - 0.5 * compliance * p * p);
+            energy += shapes.dv * (law.energy(&f) + p * (j - 1.0) - 0.5 * compliance * p * p);
         }
         Ok(energy)
     }
@@ -248,7 +256,7 @@ impl Term for TaylorHood {
         local: &mut LocalDerivatives,
     ) -> Result<f64, Inadmissible> {
         let (x, q) = x.split_at(NODES);
-        let (compliance, unit) = (self.compliance(), self.pressure_unit);
+        let (compliance, unit, law) = (self.compliance(s), self.pressure_unit, self.law(s));
         let mut energy = 0.0;
         for shapes in self.shapes(s).flatten() {
             let Shapes { gradients, corners, dv } = &shapes;
@@ -256,7 +264,7 @@ impl Term for TaylorHood {
             let j = admissible(&f)?;
             let p = self.pressure(&shapes, q);
             let cofactor = cofactor(&f);
-            let response = self.law.response(&f, local.with_hessian());
+            let response = law.response(&f, local.with_hessian());
             energy += dv * (response.energy + p * (j - 1.0) - 0.5 * compliance * p * p);
             let stress = *dv * (response.stress + p * cofactor);
             let (by_place, by_pressure) = local.gradient_mut().split_at_mut(NODES);
@@ -270,7 +278,7 @@ impl Term for TaylorHood {
             if !local.with_hessian() {
                 continue;
             }
-            let between = -dv * unit * unit * self.tangent_compliance();
+            let between = -dv * unit * unit * self.tangent_compliance(s);
             for (b, lb) in corners.iter().enumerate() {
                 for (a, la) in corners.iter().enumerate().skip(b) {
                     local.block_mut(NODES + a, NODES + b)[(0, 0)] += between * la * lb;
@@ -424,7 +432,7 @@ mod tests {
         (0..4).map(|seed| {
             let mut chance = ChaCha8Rng::seed_from_u64(seed);
             let mesh = irregular(&mut chance);
-            let body = TaylorHood::new(&mesh, law(true), 2.0).unwrap();
+            let body = TaylorHood::new(&mesh, &[law(true)], 2.0).unwrap();
             let s = seed as usize;
             let stretch = Matrix3::identity() + random_matrix(&mut chance, 0.25);
             let mut x: Vec<Vec3> = body.stencils[s][..NODES]
@@ -488,7 +496,7 @@ mod tests {
     fn incompressible_tangent_has_a_little_compliance() {
         let mut chance = ChaCha8Rng::seed_from_u64(9);
         let mesh = irregular(&mut chance);
-        let body = TaylorHood::new(&mesh, law(false), 2.0).unwrap();
+        let body = TaylorHood::new(&mesh, &[law(false)], 2.0).unwrap();
         let mut x: Vec<Vec3> =
             body.stencils[0][..NODES].iter().map(|&v| mesh.positions[v as usize]).collect();
         x.extend([Vec3::x(); 4]);
@@ -532,7 +540,7 @@ mod tests {
         let mut chance = ChaCha8Rng::seed_from_u64(3);
         let mesh = irregular(&mut chance);
         let law = Material::NeoHookean(NeoHookean { mu: 1.3 }).solid().unwrap();
-        let body = TaylorHood::new(&mesh, law, 2.0).unwrap();
+        let body = TaylorHood::new(&mesh, &[law], 2.0).unwrap();
         let f = Matrix3::from_diagonal(&Vec3::new(1.25, 0.8, 1.0));
         let energy: f64 = (0..5)
             .map(|s| {
@@ -551,7 +559,7 @@ mod tests {
         let mut mesh = irregular(&mut ChaCha8Rng::seed_from_u64(0));
         mesh.tetrahedra[2].swap(0, 1);
         assert_eq!(
-            TaylorHood::new(&mesh, law(true), 2.0).unwrap_err().reason,
+            TaylorHood::new(&mesh, &[law(true)], 2.0).unwrap_err().reason,
             Reason::InvertedCell
         );
         for (body, s, mut x) in states().take(1) {

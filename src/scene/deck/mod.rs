@@ -191,6 +191,7 @@ pub(crate) fn of_scene(
         ("[[plane]]", !scene.planes.is_empty()),
         ("[self_contact]", scene.self_contact.is_some()),
         ("[[region]]", !scene.regions.is_empty()),
+        ("[pattern]", scene.pattern.is_some()),
         ("[gravity]", scene.gravity.is_some()),
         ("[load] volume_ratio", scene.load.volume_ratio.is_some()),
         ("[load] volume_mm3", scene.load.volume_mm3.is_some()),
@@ -268,8 +269,7 @@ pub(crate) fn solid(
     let failed = |rejected| anyhow!("{rejected}");
     let model =
         PartModel::new(shell, material, &Support::Clamp, &PartSetup::default()).map_err(failed)?;
-    let SolidPart { mesh, report } =
-        SolidPart::new(&model, &shell.section, section)?.map_err(failed)?;
+    let SolidPart { mesh, report } = SolidPart::new(shell, &model, section)?.map_err(failed)?;
     Ok((mesh, report))
 }
 

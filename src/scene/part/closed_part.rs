@@ -9,6 +9,7 @@ use crate::math::{Rejected, Vec3};
 use crate::mesh::{ShellMesh, ShellSettings, shell_of_field};
 use crate::model::Support;
 use crate::scene::observer::Observer;
+use crate::scene::pattern::PatternSection;
 use crate::scene::scene_file::SceneFile;
 use crate::surface::{RemeshSettings, TriangleMesh, intersecting_pairs, isosurface, remesh};
 
@@ -39,8 +40,12 @@ fn plain_shell(
                 scene.design_box,
                 scene.mesh.rim_radius,
             )?;
-            shell_of_field(&field, &scene.mesh.settings(), &scene.wall)
-                .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))
+            PatternSection::check(scene.pattern.as_ref(), network)
+                .with_context(|| file.display().to_string())?;
+            let shell = shell_of_field(&field, &scene.mesh.settings(), &scene.wall)
+                .map_err(|rejected| anyhow!("{}: {rejected}", file.display()))?;
+            let section = scene.pattern()?.section(network, &shell);
+            Ok(ShellMesh { section, ..shell })
         }
         PartSource::Stl { file, surface, .. } => {
             let name = file.display();

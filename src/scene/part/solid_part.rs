@@ -8,11 +8,11 @@ use crate::fitness::FidelitySettings;
 use crate::io::child::is_installed;
 use crate::io::gmsh::{Algorithm, Gmsh};
 use crate::io::tetgen::TetGen;
-use crate::math::Rejected;
+use crate::math::{Rejected, Vec3};
 use crate::mesh::tetrahedra::{
     Attempt, Filled, TetMesher, TetQuality, TetSettings, Unfilled, filled_wall,
 };
-use crate::mesh::{Section, ShellMesh, SolidMesh, WallSettings, wall_surfaces};
+use crate::mesh::{ShellMesh, SolidMesh, WallSettings, wall_surfaces};
 use crate::model::material::Material;
 use crate::model::{PartModel, PartSetup, SolidLoads};
 use crate::scene::checks::check_distance;
@@ -166,16 +166,16 @@ impl From<Attempt> for AttemptReport {
 }
 
 impl SolidPart {
-    /// The wall around the middle of a `shell` of the section `of_shell`.
+    /// The wall around the middle of a `shell`, whose `model` is given; each cell is of the material of the nearest triangle.
     ///
     /// # Errors
     /// When a mesher cannot be run, or the wall is not of one thickness. A wall that cannot be meshed is the inner [`Rejected`].
     pub(crate) fn new(
-        shell: &PartModel,
-        of_shell: &Section,
+        shell: &ShellMesh,
+        model: &PartModel,
         section: &SolidSection,
     ) -> anyhow::Result<Result<Self, Rejected>> {
-        let thickness = of_shell.uniform_thickness().context(ONE_THICKNESS)?;
+        let thickness = shell.section.uniform_thickness().context(ONE_THICKNESS)?;
         let (tetgen, hxt, delaunay) =
             (TetGen::default(), Gmsh::new(Algorithm::Hxt), Gmsh::new(Algorithm::Delaunay));
         let meshers: &[&dyn TetMesher] = match section.mesher {
@@ -183,8 +183,8 @@ impl SolidPart {
             Some(MesherName::Tetgen) => &[&tetgen],
             Some(MesherName::Gmsh) => &[&hxt, &delaunay],
         };
-        let size = shell.rest_size();
-        let middle = middle(shell, thickness);
+        let size = model.rest_size();
+        let middle = middle(model, thickness);
         let finest = LEAST_SHARE * section.edge;
         let cubes = size.add_scalar(2.0 * thickness).product() / finest.powi(3);
         ensure!(
@@ -205,6 +205,13 @@ impl SolidPart {
                 let mut mesh = SolidMesh::straight(&mesh);
                 let distance = SignedDistance::new(&middle)?;
                 let curved = mesh.curve(&distance, thickness);
+                if shell.section.last_material() > 0 {
+                    // Each triangle of the shell is so many of the middle, one after the other.
+                    let facets = middle.triangles.len() / shell.surface.triangles.len();
+                    let material =
+                        |x: Vec3| shell.section.material(distance.nearest_triangle(x) / facets);
+                    mesh.materials = mesh.centres().map(material).collect();
+                }
                 let report = SolidReport { mesher, edge, curved, quality, attempts };
                 Ok(Ok(Self { mesh, report }))
             }
@@ -220,7 +227,7 @@ impl SolidPart {
     pub(crate) fn model(
         &self,
         shell: &ShellMesh,
-        material: &Material,
+        materials: &[Material],
         setup: &PartSetup,
     ) -> Result<PartModel, Rejected> {
         let held = SolidMesh::unknowns_of(&self.mesh.nodes_below(shell.clamp_top));
@@ -229,13 +236,12 @@ impl SolidPart {
         // Folds are those of middles of walls.
         let setup = PartSetup { folds: None, ..setup.clone() };
         let [_, thickest] = shell.section.thickness_range();
-        PartModel::of_solid(&self.mesh, thickest, material, &loads, &setup)
+        PartModel::of_solid(&self.mesh, thickest, materials, &loads, &setup)
     }
 }
 
 /// What is said of a solid around a wall that is not everywhere as thick.
-pub(crate) const ONE_THICKNESS: &str =
-    "a [solid] wants a wall of one thickness; leave out the thickness of each [[region]]";
+pub(crate) const ONE_THICKNESS: &str = "a [solid] wants a wall of one thickness; leave out that of each [[region]] and of the [pattern]";
 
 impl SolidReport {
     pub(crate) fn in_words(&self) -> String {

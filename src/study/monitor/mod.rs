@@ -57,7 +57,9 @@ impl Watched {
         let solids = RunFolder::open(&self.path)?.certificates()?;
         let name = record.id.to_string();
         let certificate = solids.into_iter().find(|row| row.design == name);
-        let genes = named_genes(&record.genome).map(|(name, value)| Gene { name, value });
+        let inherited = RunFolder::open(&self.path)?.run_file()?.representation()?;
+        let genes =
+            named_genes(&inherited, &record.genome).map(|(name, value)| Gene { name, value });
         let evaluation = match &record.outcome {
             Outcome::Evaluated(evaluation) => Some(evaluation),
             Outcome::Rejected(_) => None,

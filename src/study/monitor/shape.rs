@@ -68,13 +68,14 @@ pub(crate) fn computed(
     settings: CandidateSettings,
 ) -> anyhow::Result<Option<Shape>> {
     let settings = CandidateSettings { backend: Backend::Native, ..settings };
+    let materials = settings.materials();
     let candidate = evaluate_network(network, &settings)?;
     let (Some(mesh), Some(scenarios)) = (candidate.mesh, candidate.scenarios) else {
         return Ok(None);
     };
     let scenario = |(walked, model): (&Walked, &PartModel)| {
         let shown = |point: &PathPoint| {
-            frame(&mesh, &settings.material, point.load, &model.vertex_displacements(&point.x))
+            frame(&mesh, &materials, point.load, &model.vertex_displacements(&point.x))
         };
         let Walked { scenario, path, rows, .. } = walked;
         let plane = model.plane_places().first().copied().filter(|_| walked.is_obstructed());
@@ -95,10 +96,14 @@ pub(crate) fn computed(
     }))
 }
 
-fn frame(mesh: &ShellMesh, material: &Material, pressure: f64, displacements: &[Vec3]) -> Frame {
+fn frame(mesh: &ShellMesh, materials: &[Material], pressure: f64, displacements: &[Vec3]) -> Frame {
     let positions: Vec<Vec3> =
         mesh.surface.positions.iter().zip(displacements).map(|(x, u)| x + u).collect();
-    let states = membrane_states(material, &mesh.surface, &positions);
+    let states = membrane_states(
+        |t| &materials[usize::from(mesh.section.material(t))],
+        &mesh.surface,
+        &positions,
+    );
     Frame {
         pressure,
         positions: flat(&positions),

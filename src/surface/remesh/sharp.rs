@@ -80,11 +80,11 @@ impl SharpEdges {
     pub(super) fn segments(&self, mesh: &TriangleMesh) -> Option<FacetTree> {
         let mut edges: Vec<[u32; 2]> = self.edges.iter().copied().collect();
         edges.sort_unstable();
-        let segment = |edge: [u32; 2]| {
+        let segment = |(number, edge): (u32, [u32; 2])| {
             let [a, b] = edge.map(|v| mesh.positions[v as usize]);
-            Facet { corners: [a, b, b], normals: [Vec3::zeros(); 7] }
+            Facet { number, corners: [a, b, b], normals: [Vec3::zeros(); 7] }
         };
-        (!edges.is_empty()).then(|| FacetTree::new(edges.into_iter().map(segment).collect()))
+        (!edges.is_empty()).then(|| FacetTree::new((0..).zip(edges).map(segment).collect()))
     }
 
     pub(super) fn has(&self, a: u32, b: u32) -> bool {
@@ -165,7 +165,11 @@ pub(super) struct Original {
 
 impl Original {
     pub(super) fn new(mesh: &TriangleMesh, sharp: &SharpEdges) -> Self {
-        let facet = |t| Facet { corners: mesh.corners(t), normals: [Vec3::zeros(); 7] };
+        let facet = |t: usize| Facet {
+            number: t as u32,
+            corners: mesh.corners(t),
+            normals: [Vec3::zeros(); 7],
+        };
         let surface = FacetTree::new((0..mesh.triangles.len()).map(facet).collect());
         Self { surface, lines: sharp.segments(mesh) }
     }
