@@ -366,17 +366,17 @@ mod tests {
             let mut compared = 0;
             for (node, [i, _]) in patch.node_places().into_iter().enumerate() {
                 for unknown in 3 * node..3 * node + 3 {
-                    // Facets beside a side end two cells away; of Loop's followers, each column passes on a tenth.
-                    if (5..=7).contains(&i) && closed[unknown] != 0.0 {
+                    // A node beyond column 9 follows column 7, and is in triangles with nodes of the side,
+                    // column 12; what follows column 6 is not.
+                    if (5..=6).contains(&i) && closed[unknown] != 0.0 {
                         compared += 1;
                         let miss = (open[unknown] - closed[unknown]).abs();
-                        let tolerance = if element == ShellElement::Loop { 1e-8 } else { 1e-14 };
-                        assert!(miss < tolerance, "{element:?} {i}: {miss:e}");
+                        assert!(miss < 1e-14, "{element:?} {i}: {miss:e}");
                     }
                 }
             }
             assert!(closed.iter().any(|force| force.abs() > 1e-3));
-            assert!(compared > 30, "{compared}");
+            assert!(compared > 20, "{compared}");
         }
     }
 }

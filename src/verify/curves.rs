@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 
 use super::cases::{CURVES, Case, SHELLS, case};
+use super::deviations::deviations;
 use super::files::BuiltIn;
 use crate::mesh::ShellElement;
 use crate::model::system::System;
@@ -137,6 +138,25 @@ fn truss_is_a_bar_that_stays_straight() {
     }
     let euler = (std::f64::consts::PI * scene.wall.thickness).powi(2) / (12.0 * square);
     assert!(height * height / (2.0 * square) < FRAC_1_SQRT_2 * euler);
+}
+
+/// Loop's strips of any width have the bar's states: what is left is the cubic between them, and what one point of quadrature
+/// inside of a wide strip misses beside three at its edges.
+#[test]
+fn truss_has_the_states_of_its_bar() {
+    let Case { scene, verify, .. } = curve("von_mises_truss");
+    let accept = verify.accept.iter().find(|accept| accept.element == ShellElement::Loop).unwrap();
+    for cells in [[8, 2], [16, 4], [8, 8]] {
+        let mut scene = scene.with_mesh(MeshSize::Cells(cells)).unwrap();
+        scene.wall.element = Some(ShellElement::Loop);
+        let measured =
+            shape(&scene).measure(&scene, Backend::Native, 0.0, Stop::NEVER, &Unobserved).unwrap();
+        for compared in deviations(&scene, &verify, &measured) {
+            let error = compared.deviation.error;
+            println!("TRUSS {cells:?} {} {error}", compared.watch);
+            assert!(error < accept.error, "{cells:?} {}: {error} %", compared.watch);
+        }
+    }
 }
 
 /// Meshes of a ladder are refined in one direction.
