@@ -369,17 +369,17 @@ mod tests {
             let mut compared = 0;
             for (node, [i, _]) in patch.node_places().into_iter().enumerate() {
                 for unknown in 3 * node..3 * node + 3 {
-                    // Facets beside a side end two cells away; of Loop's followers, each column passes on a tenth.
-                    if (5..=7).contains(&i) && closed[unknown] != 0.0 {
+                    // The last side is in column 12, which a node beyond column 10 follows. Its triangles have
+                    // nodes in column 7, of which the one on a side follows column 6.
+                    if (4..=5).contains(&i) && closed[unknown] != 0.0 {
                         compared += 1;
                         let miss = (open[unknown] - closed[unknown]).abs();
-                        let tolerance = if element == ShellElement::Loop { 1e-8 } else { 1e-14 };
-                        assert!(miss < tolerance, "{element:?} {i}: {miss:e}");
+                        assert!(miss < 1e-14, "{element:?} {i}: {miss:e}");
                     }
                 }
             }
             assert!(closed.iter().any(|force| force.abs() > 1e-3));
-            assert!(compared > 30, "{compared}");
+            assert!(compared > 20, "{compared}");
         }
     }
 }

@@ -7,6 +7,8 @@
 //! The unknowns `q` are one displacement for each node, of which a support holds some at 0. Terms see displaced
 //! positions; [`Tied`] turns their derivatives into those with respect to `q`.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use nalgebra::Matrix3;
 
 use super::local::{LocalDerivatives, Term};
@@ -16,7 +18,8 @@ use crate::math::Vec3;
 /// `sum_k T_k u_k`.
 pub(super) type Combination = Vec<(u32, Matrix3<f64>)>;
 
-/// The least factor with which a node is followed: each step along a chain of followers takes about a tenth.
+/// The least factor with which a component is followed: each step along a chain of followers takes
+/// about a tenth.
 const LEAST: f64 = 1e-7;
 
 /// Which nodes follow which.
@@ -27,36 +30,31 @@ pub(super) struct Ties {
 }
 
 impl Ties {
-    /// Ties between nodes, in terms of nodes that may themselves be tied.
+    /// Ties between nodes, in terms of nodes that may themselves be tied; those may follow each other in turn.
     ///
-    /// A dependence that comes back to where it started is solved for; one that comes back to another node on the way, or has
-    /// become less than [`LEAST`], is left out: around corners such loops are of third order in the size of the elements.
+    /// A component that follows anything has no motion of its own. What is followed by less than
+    /// [`LEAST`] is left out.
+    ///
+    /// # Panics
+    /// When a component follows itself, by way of others, by all of its own motion.
     pub(super) fn new(direct: &[Combination]) -> Self {
-        let leaders = |node: usize| {
-            let mut sums = Combination::new();
-            if direct[node].is_empty() {
-                return sums;
+        let rows = leaders_of(direct);
+        let mut followed = vec![Combination::new(); direct.len()];
+        for (follower, row) in rows {
+            let (node, axis) = (follower as usize / 3, follower as usize % 3);
+            for (leader, weight) in row {
+                let (beside, column) = (leader / 3, leader as usize % 3);
+                let place = match followed[node].binary_search_by_key(&beside, |entry| entry.0) {
+                    Ok(place) => place,
+                    Err(place) => {
+                        followed[node].insert(place, (beside, Matrix3::zeros()));
+                        place
+                    }
+                };
+                followed[node][place].1[(axis, column)] = weight;
             }
-            let mut way = vec![node as u32];
-            collect(direct, node, Matrix3::identity(), &mut way, &mut sums);
-            sums.sort_by_key(|&(leader, _)| leader);
-            sums.dedup_by(|next, sum| {
-                let same = next.0 == sum.0;
-                if same {
-                    sum.1 += next.1;
-                }
-                same
-            });
-            if let Ok(place) = sums.binary_search_by_key(&(node as u32), |&(leader, _)| leader) {
-                let (_, itself) = sums.remove(place);
-                let inverse = (Matrix3::identity() - itself).try_inverse();
-                let inverse = inverse.expect("a node follows itself by less than all it follows");
-                sums.iter_mut().for_each(|(_, t)| *t = inverse * *t);
-            }
-            sums.retain(|(_, t)| *t != Matrix3::zeros());
-            sums
-        };
-        Self { followed: (0..direct.len()).map(leaders).collect() }
+        }
+        Self { followed }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -109,27 +107,53 @@ impl Ties {
     }
 }
 
-/// Adds `t` times what `node` follows, by way of the nodes in `way`; a leader's own motion counts as followed.
-fn collect(
-    direct: &[Combination],
-    node: usize,
-    t: Matrix3<f64>,
-    way: &mut Vec<u32>,
-    sums: &mut Combination,
-) {
-    for &(leader, factor) in &direct[node] {
-        let t = t * factor;
-        if t.amax() < LEAST || way[1..].contains(&leader) {
-            continue;
+/// What a component (`3 node + axis`) follows: others and their weights.
+type Row = BTreeMap<u32, f64>;
+
+/// For each component that follows, the components that follow nothing on which it depends: Gauss's
+/// and Jordan's elimination, one follower after the other.
+fn leaders_of(direct: &[Combination]) -> BTreeMap<u32, Row> {
+    let mut rows: BTreeMap<u32, Row> = BTreeMap::new();
+    for (node, combination) in (0..).zip(direct) {
+        for (leader, t) in combination {
+            for (axis, column) in (0..3).flat_map(|axis| (0..3).map(move |k| (axis, k))) {
+                let weight = t[(axis as usize, column as usize)];
+                if weight != 0.0 {
+                    let row = rows.entry(3 * node + axis).or_default();
+                    *row.entry(3 * leader + column).or_default() += weight;
+                }
+            }
         }
-        sums.push((leader, t));
-        if leader == way[0] {
-            continue;
-        }
-        way.push(leader);
-        collect(direct, leader as usize, t, way, sums);
-        way.pop();
     }
+    let mut followers_of: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+    for (&follower, row) in &rows {
+        for leader in row.keys().filter(|leader| rows.contains_key(leader)) {
+            followers_of.entry(*leader).or_default().insert(follower);
+        }
+    }
+    let followers: Vec<u32> = rows.keys().copied().collect();
+    for follower in followers {
+        let mut row = rows.remove(&follower).unwrap_or_default();
+        let itself = row.remove(&follower).unwrap_or_default();
+        assert!((1.0 - itself).abs() > LEAST, "a node follows itself by less than all it follows");
+        row.values_mut().for_each(|weight| *weight /= 1.0 - itself);
+        row.retain(|_, weight| weight.abs() >= LEAST);
+        for other in followers_of.remove(&follower).unwrap_or_default() {
+            let Some(others) = rows.get_mut(&other) else { continue };
+            let Some(by) = others.remove(&follower) else { continue };
+            for (&leader, weight) in &row {
+                *others.entry(leader).or_default() += by * weight;
+                if let Some(dependents) = followers_of.get_mut(&leader) {
+                    dependents.insert(other);
+                }
+            }
+        }
+        rows.insert(follower, row);
+    }
+    for row in rows.values_mut() {
+        row.retain(|_, weight| weight.abs() >= LEAST);
+    }
+    rows
 }
 
 /// A term whose stencils' derivatives are with respect to the unknowns.
@@ -307,6 +331,23 @@ mod tests {
         ties.displace(&mut u);
         assert_eq!(u[3], Vec3::new(-5.0, 1.0, 0.0));
         assert_eq!(u[7], Vec3::new(3.0, 1.0, 0.0));
+    }
+
+    /// Three nodes that follow each other and one more: `u = A u + b u_3` solved by hand.
+    #[test]
+    fn followers_may_follow_each_other() {
+        let times = |weight: f64| Matrix3::from_diagonal_element(weight);
+        let mut direct = vec![Combination::new(); 4];
+        direct[0] = vec![(1, times(0.5)), (2, times(0.25))];
+        direct[1] = vec![(0, times(0.5)), (3, times(0.25))];
+        direct[2] = vec![(0, times(1.0)), (1, times(-1.0)), (3, times(0.5))];
+        let mut u = vec![Vec3::zeros(); 4];
+        u[3] = Vec3::new(14.0, -28.0, 7.0);
+        Ties::new(&direct).displace(&mut u);
+        // (1 - 1/4 - 1/8) u_0 = (1/16 + 1/8) u_3.
+        for (u_k, share) in u.iter().zip([0.3, 0.4, 0.4]) {
+            assert!((u_k - share * u[3]).norm() < 1e-14, "{u:?}");
+        }
     }
 
     /// `reduce` is the transpose of `displace`.

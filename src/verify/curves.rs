@@ -139,6 +139,30 @@ fn truss_is_a_bar_that_stays_straight() {
     assert!(height * height / (2.0 * square) < FRAC_1_SQRT_2 * euler);
 }
 
+/// The states of Loop's strips, narrow and wide, are those of the bar: its strain is uniform.
+#[test]
+fn truss_has_the_states_of_its_bar() {
+    let Case { scene, verify, .. } = curve("von_mises_truss");
+    // In % of the full load. Three points of quadrature miss little of a cubic; one point, which is
+    // inside of strips of four cells and more, misses what three beside it do not.
+    for (cells, tolerance) in [([8, 2], 0.01), ([16, 4], 0.1), ([8, 8], 0.1)] {
+        let mut scene = scene.with_mesh(MeshSize::Cells(cells)).unwrap();
+        scene.wall.element = Some(ShellElement::Loop);
+        let measured =
+            shape(&scene).measure(&scene, Backend::Native, 0.0, Stop::NEVER, &Unobserved).unwrap();
+        let points = &measured.curves[0].points;
+        assert!(points.last().unwrap().value > 4.0, "{cells:?}");
+        for point in points {
+            // P ~ y (h^2 - y^2), at most 2 h^3 / (3 sqrt(3)), which is at 0.8 of the load.
+            let y = 2.0 - point.value;
+            let exact = 0.8 * y * (4.0 - y * y) * 3.0 * 3.0_f64.sqrt() / 16.0;
+            let error = 100.0 * (point.load - exact).abs();
+            assert!(error < tolerance, "{cells:?} {}: {error} %", point.value);
+        }
+    }
+    assert_eq!(verify.limit_load, Some(0.8));
+}
+
 /// Meshes of a ladder are refined in one direction.
 #[test]
 fn ladders_climb() {
