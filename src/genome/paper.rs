@@ -70,7 +70,8 @@ pub const GENES: [Gene; 22] = [
     gene("bO", "bias of the field: more negative is wider", -1.5, -0.2),
 ];
 
-/// The representation of the paper: real vectors of [`GENES`] within bounds, which stand for a network.
+/// The representation of the paper: real vectors of [`GENES`] within bounds, which stand for a
+/// network. It is written as its bounds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Bounds", into = "Bounds")]
 pub struct Paper {
@@ -104,10 +105,11 @@ pub enum GenomeError {
 }
 
 impl Paper {
-    /// Genomes within the bounds of [`GENES`], with those in `overrides` replaced: gene name to `[lower, upper]`.
+    /// Genomes within the bounds of [`GENES`], with those in `overrides` replaced: gene name to
+    /// `[lower, upper]`. Equal bounds fix a gene.
     ///
     /// # Errors
-    /// [`InvalidBounds`] for an unknown gene, for what is not an interval, and when no gene is free. `lower = upper` fixes a gene.
+    /// [`InvalidBounds`] for an unknown gene, for what is not an interval, and when no gene is free.
     pub fn new(overrides: &BTreeMap<String, [f64; 2]>) -> Result<Self, InvalidBounds> {
         let mut intervals = GENES.map(|gene| (gene.lower, gene.upper)).to_vec();
         for (name, &[lower, upper]) in overrides {
