@@ -1,6 +1,8 @@
-//! Evolution of genomes that are no numbers: bit strings with the objectives LOTZ, leading ones and trailing zeros.
+//! Evolution of genomes that are no numbers: bit strings, with the objectives LOTZ (leading ones and
+//! trailing zeros).
 //!
-//! A string `1..1 0..0` of n bits has n of them together, and no string has more: the front is the n + 1 strings of this form.
+//! A string `1..1 0..0` of n bits has n of them together, and no string has more: the front is the
+//! n + 1 strings of this form.
 //! Source: Laumanns, Thiele, Zitzler, Welzl and Deb (2002), PPSN VII: 44-53.
 
 use rand::{Rng, RngExt};

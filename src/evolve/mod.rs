@@ -1,7 +1,7 @@
 //! Who survives? NSGA-II: several objectives made small, and one constraint violation.
 //!
 //! [`Nsga2`] is asked for candidates and told how good they are; where and how they are evaluated is not its affair,
-//! and of a genome it knows what its [`Representation`](crate::genome::Representation) does with it.
+//! and a genome is what its [`Representation`](crate::genome::Representation) does with it.
 //!
 //! # Decisions
 //! - All chance is keyed by (purpose, generation, individual): asking changes nothing, and a checkpoint holds no generator.

@@ -33,7 +33,8 @@ pub struct Nsga2<R: Representation> {
 }
 
 impl<R: Representation> Nsga2<R> {
-    /// A run before its first generation, over genomes of a `representation` and with this number of `objectives`.
+    /// A run before its first generation, over genomes of a `representation`, with so many
+    /// `objectives`.
     ///
     /// # Errors
     /// [`InvalidSettings`] as [`Nsga2Settings::validate`] says.

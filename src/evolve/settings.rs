@@ -131,7 +131,8 @@ impl Nsga2Settings {
         probability("crossover_probability", self.crossover_probability)
     }
 
-    /// How a representation makes children, with adaptive mutations of this `step`, in widths of the bounds.
+    /// How a representation makes children; adaptive mutations have this `step`, in widths of the
+    /// bounds.
     #[must_use]
     pub fn operators(&self, step: f64) -> Operators {
         Operators {

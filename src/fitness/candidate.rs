@@ -76,7 +76,8 @@ pub struct Candidate {
 /// [`Rejected`] when it is no chamber or cannot be meshed.
 ///
 /// # Panics
-/// When the rim radius does not fit the design box: check the settings first with [`CappedField::check_rim`].
+/// When the rim radius does not fit the design box: check the settings first with
+/// [`CappedField::check_rim`].
 pub fn shell_of_network(
     network: &Network,
     settings: &CandidateSettings,

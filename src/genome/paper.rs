@@ -117,10 +117,11 @@ pub enum GenomeError {
 }
 
 impl Paper {
-    /// Genomes within the bounds of [`GENES`], with those in `overrides` replaced: gene name to `[lower, upper]`.
+    /// Genomes within the bounds of [`GENES`], with those in `overrides` replaced: gene name to
+    /// `[lower, upper]`. Equal bounds fix a gene.
     ///
     /// # Errors
-    /// [`InvalidBounds`] for an unknown gene, for what is not an interval, and when no gene is free. `lower = upper` fixes a gene.
+    /// [`InvalidBounds`] for an unknown gene, for what is not an interval, and when no gene is free.
     pub fn new(overrides: &BTreeMap<String, [f64; 2]>) -> Result<Self, InvalidBounds> {
         Self::with_wall(WallGenes::default(), overrides)
     }

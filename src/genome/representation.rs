@@ -67,7 +67,8 @@ pub struct Operators {
     pub mutation: Mutation,
     /// Spread of the polynomial mutation: the larger, the nearer a child is to its parent.
     pub mutation_eta: f64,
-    /// Probability that a gene mutates, in a child that does; one gene in the genome when not given.
+    /// Probability that a gene mutates, in a child that does; one gene in the genome when not
+    /// given.
     pub mutation_probability: Option<f64>,
     /// Length of an adaptive mutation, in widths of the bounds; 0 to 1.
     pub step: f64,

@@ -1,8 +1,9 @@
 //! What the designs of a run inherit, by one name for all that reads and writes a run.
 //!
 //! # Decisions
-//! - Run files know one representation, so its type has a name here and is no parameter of the room. Where they are to choose among
-//!   several, [`Inherited`] becomes an enum of them that implements [`Representation`] by asking the one chosen.
+//! - Run files know one representation, so its type has a name here and is no parameter of the room.
+//!   Where they are to choose among several, [`Inherited`] becomes an enum of them that implements
+//!   [`Representation`] by asking the one chosen.
 
 use crate::evolve;
 use crate::genome::{Paper, Representation};
