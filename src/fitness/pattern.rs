@@ -49,8 +49,8 @@ mod tests {
     /// A sphere of 10 mm whose wall is 0.1 mm for each mm of height, plus 1 mm, within bounds; of the second material above its middle.
     #[test]
     fn a_network_says_what_its_wall_is_made_of() {
-        let network: Network = "output = \"r\"\n[wall]\nthickness = \"t\"\nmaterial = \"m\"\n\
-             [[node]]\nname = \"r\"\nlinks = { r = 1.0 }\n\
+        let network: Network = "output = \"ball\"\n[wall]\nthickness = \"t\"\nmaterial = \"m\"\n\
+             [[node]]\nname = \"ball\"\nlinks = { r = 1.0 }\n\
              [[node]]\nname = \"t\"\nlinks = { z = 1.0 }\nbias = 1.0\n\
              [[node]]\nname = \"m\"\nlinks = { z = 1.0 }\n"
             .parse()

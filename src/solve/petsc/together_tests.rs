@@ -177,7 +177,7 @@ fn two_ranks_pass_the_same_tests() {
             "mpi_yield_when_idle",
             "1",
             "--timeout",
-            "120",
+            "600",
             "-n",
             "2",
         ])
