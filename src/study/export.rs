@@ -70,8 +70,8 @@ impl Export<'_> {
         within("--density", self.print.density, 0.01, 30.0)?;
         let (name, network, run) = self.design()?;
         ensure!(
-            run.pattern()?.thickness.is_none(),
-            "a wall of one thickness is exported, and the run has [pattern] thickness"
+            run.pattern.is_none(),
+            "export writes one body of one thickness and material, and the run has a [pattern]"
         );
         let thickness = run.wall.thickness;
         let base_height = run.wall.clamp_height * thickness;

@@ -213,6 +213,9 @@ fn a_search_evolves_the_wall() {
     assert_eq!(record["genome"].as_array().unwrap().len(), 22 + 4 + 4);
     let front = workshop.read("whole/front.csv");
     let id = front.lines().nth(1).unwrap().split(',').next().unwrap();
+    workshop.refuse(&["deck", "whole", id, "--out", "made"], 1, &["[pattern]"]);
+    let print = ["export", "whole", id, "--out", "made", "--inlet", "barb"];
+    workshop.refuse(&print, 1, &["[pattern]"]);
     let network = workshop.read(&format!("whole/front/{id}/genome.toml"));
     assert!(
         network.contains("[wall]\nthickness = \"thickness\"\nmaterial = \"side\""),
