@@ -83,7 +83,7 @@ fn tapered_cantilever_bends_as_eulers() {
             let moved = end_of_cantilever(
                 &patch,
                 element,
-                &[law.clone()],
+                std::slice::from_ref(&law),
                 EdgeSupport::Symmetry(1),
                 force * Vec3::z(),
             );
