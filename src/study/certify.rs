@@ -32,6 +32,7 @@ use crate::model::{PartModel, PartSetup};
 use crate::scene::End;
 use crate::scene::part::on_disk::read_network;
 use crate::scene::part::solid_part::{SolidPart, SolidReport, SolidSection};
+use crate::scene::pattern::PatternSection;
 use crate::scene::results::design_folder::{write_json, write_surface};
 use crate::scene::results::path_rows::write_scenarios;
 use crate::solve::{Backend, Stop};
@@ -104,6 +105,9 @@ pub(crate) fn certify_designs(
     let executor = Threads::new(request.threads)?;
     let designs =
         if random == 0 { named(files)? } else { drawn(&run, &settings, random, &executor)? };
+    for Design { name, network } in &designs {
+        PatternSection::check(run.pattern.as_ref(), network).with_context(|| name.clone())?;
+    }
     let (folder, _lock) = if request.resume {
         (OutputFolder::open(out)?, FolderLock::take(out)?)
     } else {

@@ -24,6 +24,7 @@ use crate::printing::{Inlet, PrintSettings, Printability, PrintedPart};
 use crate::scene::material::within;
 use crate::scene::part::on_disk::read_network;
 use crate::scene::part::solid_part::middle;
+use crate::scene::pattern::PatternSection;
 use crate::scene::results::design_folder::write_json;
 use crate::surface::TriangleMesh;
 
@@ -73,6 +74,7 @@ impl Export<'_> {
             run.pattern.is_none(),
             "export writes one body of one thickness and material, and the run has a [pattern]"
         );
+        PatternSection::check(None, &network).with_context(|| name.clone())?;
         let thickness = run.wall.thickness;
         let base_height = run.wall.clamp_height * thickness;
         within("--edge", self.edge, 0.1, 20.0)?;

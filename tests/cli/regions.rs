@@ -182,6 +182,9 @@ fn a_network_may_say_what_its_wall_is_made_of() {
     workshop.refuse_scene(&scene(pattern), &["[pattern] material wants a network whose [wall]"]);
     workshop.write("network.toml", of_wall("thickness = \"side\""));
     workshop.refuse_scene(&scene(""), &["network.toml", "[pattern] thickness = [0.8, 2.4]"]);
+    workshop.write("run.toml", "[mesh]\nedge = 5.0\n");
+    let certify = ["certify", "run.toml", "network.toml", "--out", "certified"];
+    workshop.refuse(&certify, 1, &["network: the network's [wall] names a node for the thickness"]);
     workshop
         .refuse_scene(&scene("[pattern]\n"), &["[pattern] wants a `thickness` or a `material`"]);
     let reversed = "[pattern]\nthickness = [2.0, 1.0]\n";
