@@ -97,8 +97,8 @@ fn a_region_has_its_own_wall() {
     }
 }
 
-/// A tube that is stiff on one side lengthens more on the other, and bends towards the stiff side: one way or the other alike, but for
-/// a fifth, since triangles of 4 mm divide its ring of 50 mm in unequal halves; and not at all where it is the same everywhere.
+/// A tube that is stiff on one side bends towards it: one way or the other alike, but for a fifth, since triangles of 4 mm divide its
+/// ring of 50 mm in unequal halves; and by less than a tenth of that where it is the same everywhere.
 #[test]
 fn a_stiff_side_bends_the_part_towards_it() {
     let workshop = Workshop::new();
