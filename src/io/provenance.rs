@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::model::block::instruction_set;
+
 /// The commit of this program.
 pub(crate) const COMMIT: &str = env!("PNEUMORPH_COMMIT");
 
@@ -15,6 +17,8 @@ pub(crate) struct Provenance {
     target: &'static str,
     profile: &'static str,
     petsc: &'static str,
+    /// With which instructions this processor runs the elements' kernels: the last bits of results depend on them.
+    instructions: &'static str,
     /// The words of the command line.
     command: Vec<String>,
 }
@@ -30,6 +34,7 @@ impl Provenance {
             target: env!("PNEUMORPH_TARGET"),
             profile: env!("PNEUMORPH_PROFILE"),
             petsc: env!("PNEUMORPH_PETSC"),
+            instructions: instruction_set(),
             command: std::env::args().collect(),
         }
     }

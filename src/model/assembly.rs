@@ -10,9 +10,9 @@
 
 use std::ops::Range;
 
-use nalgebra::Matrix3;
 use rayon::prelude::*;
 
+use super::block::Block;
 use super::local::{LocalDerivatives, Term};
 use super::system::{Inadmissible, SparsityPattern};
 use crate::math::Vec3;
@@ -396,13 +396,13 @@ impl Chunk<'_> {
 
 /// Adds blocks at their places in a column of blocks.
 #[inline]
-fn add_column(column: &mut [f64], blocks: &[Matrix3<f64>], slots: &[u32]) {
+fn add_column(column: &mut [f64], blocks: &[Block], slots: &[u32]) {
     let height = column.len() / 3;
     let (first, others) = column.split_at_mut(height);
     let (second, third) = others.split_at_mut(height);
     let [first, second, third] = [first, second, third].map(|c| c.as_chunks_mut::<3>().0);
     for (block, &slot) in blocks.iter().zip(slots) {
-        let [one, two, three] = &block.data.0;
+        let [one, two, three] = block.columns();
         add_to(&mut first[slot as usize], one);
         add_to(&mut second[slot as usize], two);
         add_to(&mut third[slot as usize], three);
@@ -411,17 +411,17 @@ fn add_column(column: &mut [f64], blocks: &[Matrix3<f64>], slots: &[u32]) {
 
 /// Adds the first row of blocks at their places in a column of blocks.
 #[inline]
-fn add_rows(column: &mut [f64], blocks: &[Matrix3<f64>], slots: &[u32]) {
+fn add_rows(column: &mut [f64], blocks: &[Block], slots: &[u32]) {
     let height = column.len() / 3;
     for (block, &slot) in blocks.iter().zip(slots) {
-        for (k, value) in block.row(0).iter().enumerate() {
-            column[k * height + slot as usize] += value;
+        for (k, of_column) in block.columns().iter().enumerate() {
+            column[k * height + slot as usize] += of_column[0];
         }
     }
 }
 
 #[inline]
-fn add_to(sum: &mut [f64; 3], values: &[f64; 3]) {
+fn add_to(sum: &mut [f64; 3], values: &[f64; 4]) {
     *sum = [sum[0] + values[0], sum[1] + values[1], sum[2] + values[2]];
 }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::Matrix3;
 
+use super::block::Block;
 use super::system::Inadmissible;
 use crate::math::Vec3;
 
@@ -11,7 +12,7 @@ pub struct LocalDerivatives {
     size: usize,
     gradient: Vec<Vec3>,
     /// The lower blocks `(i, j)`, `i >= j`, column by column.
-    hessian: Vec<Matrix3<f64>>,
+    hessian: Vec<Block>,
     with_hessian: bool,
 }
 
@@ -35,7 +36,7 @@ impl LocalDerivatives {
         self.gradient.resize(size, Vec3::zeros());
         self.hessian.clear();
         if with_hessian {
-            self.hessian.resize(size * (size + 1) / 2, Matrix3::zeros());
+            self.hessian.resize(size * (size + 1) / 2, Block::default());
         }
     }
 
@@ -59,13 +60,13 @@ impl LocalDerivatives {
     /// The Hessian block of nodes `i >= j`, N/mm.
     #[must_use]
     #[inline]
-    pub fn block(&self, i: usize, j: usize) -> &Matrix3<f64> {
-        &self.hessian[self.column_start(j) + i - j]
+    pub fn block(&self, i: usize, j: usize) -> Matrix3<f64> {
+        self.hessian[self.column_start(j) + i - j].matrix()
     }
 
     /// The Hessian block of nodes `i >= j`, to be added to.
     #[inline]
-    pub fn block_mut(&mut self, i: usize, j: usize) -> &mut Matrix3<f64> {
+    pub fn block_mut(&mut self, i: usize, j: usize) -> &mut Block {
         let start = self.column_start(j);
         &mut self.hessian[start + i - j]
     }
@@ -73,13 +74,13 @@ impl LocalDerivatives {
     /// The Hessian blocks of node `j` with nodes `j, j + 1, ..`, N/mm.
     #[must_use]
     #[inline]
-    pub fn column(&self, j: usize) -> &[Matrix3<f64>] {
+    pub fn column(&self, j: usize) -> &[Block] {
         &self.hessian[self.column_start(j)..self.column_start(j + 1)]
     }
 
     /// The Hessian blocks of node `j` with nodes `j, j + 1, ..`, to be added to.
     #[inline]
-    pub fn column_mut(&mut self, j: usize) -> &mut [Matrix3<f64>] {
+    pub fn column_mut(&mut self, j: usize) -> &mut [Block] {
         let range = self.column_start(j)..self.column_start(j + 1);
         &mut self.hessian[range]
     }

@@ -4,6 +4,7 @@
 //! gradient and Hessian that a solver sees through [`system::System`].
 
 pub mod assembly;
+pub mod block;
 mod body;
 pub mod contact;
 pub mod dirichlet;

@@ -276,16 +276,16 @@ impl PartModel {
             tangent.fill(0.0);
         }
         let mut energy = 0.0;
-        for placed in terms.iter_mut().filter(|placed| !placed.is_lifted) {
-            if let Some(dead) = placed.term().dead_forces() {
-                energy += placed.term().whole_energy(&at).unwrap_or_default();
-                let forces = dead.on_unknowns().iter();
-                for (residual, force) in residual.as_chunks_mut().0.iter_mut().zip(forces) {
-                    *residual = (Vec3::from(*residual) - dead.load_factor * force).into();
-                }
-            } else if !placed.term().is_idle() {
-                energy +=
-                    placed.assemble(assembler, &positions, residual, tangent.as_deref_mut())?;
+        for alike in terms.chunk_by_mut(|one, next| next.is_alike(one)) {
+            let tangent = tangent.as_deref_mut();
+            energy += Placed::assemble(alike, assembler, &positions, residual, tangent)?;
+        }
+        for term in in_place(terms) {
+            let Some(dead) = term.dead_forces() else { continue };
+            energy += term.whole_energy(&at).unwrap_or_default();
+            let forces = dead.on_unknowns().iter();
+            for (residual, force) in residual.as_chunks_mut().0.iter_mut().zip(forces) {
+                *residual = (Vec3::from(*residual) - dead.load_factor * force).into();
             }
         }
         dirichlet.apply_to_residual(residual);

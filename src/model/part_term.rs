@@ -238,20 +238,30 @@ impl Placed {
         own.iter().chain(&self.room)
     }
 
-    /// Adds its gradient and, where asked for, its Hessian; returns its energy, mJ.
+    /// Whether its stencils are those of `other`, so that both may be assembled in one pass.
+    pub(super) fn is_alike(&self, other: &Self) -> bool {
+        let stencils = self.term.stencils();
+        !stencils.is_empty() && stencils == other.term.stencils()
+    }
+
+    /// Adds the gradients of `terms`, which are alike, and, where asked for, their Hessians; returns their energy, mJ.
     pub(super) fn assemble(
-        &mut self,
+        terms: &mut [Self],
         assembler: &mut Assembler,
         positions: &[Vec3],
         residual: &mut [f64],
         tangent: Option<&mut [f64]>,
     ) -> Result<f64, Inadmissible> {
-        let Self { term, slots, .. } = self;
-        if tangent.is_none() {
-            return assembler.add(term, &Slots::default(), positions, residual, None);
+        if tangent.is_some() && terms[0].slots.is_none() {
+            terms[0].slots = Some(assembler.slots(&terms[0].term));
         }
-        let slots = slots.get_or_insert_with(|| assembler.slots(term));
-        assembler.add(term, slots, positions, residual, tangent)
+        let working = terms.iter().filter(|placed| !placed.is_lifted && !placed.term().is_idle());
+        let sum = Sum(working.map(Self::tied).collect());
+        if sum.0.is_empty() {
+            return Ok(0.0);
+        }
+        let slots = terms[0].slots.as_ref().filter(|_| tangent.is_some());
+        assembler.add(&sum, slots.unwrap_or(&Slots::default()), positions, residual, tangent)
     }
 
     /// Brings the stencils up to a state.
@@ -272,6 +282,32 @@ impl Placed {
     /// The pattern is another one.
     pub(super) fn forget_slots(&mut self) {
         self.slots = None;
+    }
+}
+
+/// Terms over the same stencils, whose derivatives are summed before they are scattered.
+struct Sum<'a>(Vec<&'a dyn Term>);
+
+impl Term for Sum<'_> {
+    fn stencils(&self) -> &[Vec<u32>] {
+        self.0[0].stencils()
+    }
+
+    fn is_active(&self, s: usize, positions: &[Vec3]) -> bool {
+        self.0.iter().any(|term| term.is_active(s, positions))
+    }
+
+    fn energy(&self, s: usize, x: &[Vec3]) -> Result<f64, Inadmissible> {
+        self.0.iter().map(|term| term.energy(s, x)).sum()
+    }
+
+    fn derivatives(
+        &self,
+        s: usize,
+        x: &[Vec3],
+        local: &mut LocalDerivatives,
+    ) -> Result<f64, Inadmissible> {
+        self.0.iter().map(|term| term.derivatives(s, x, local)).sum()
     }
 }
 

@@ -248,7 +248,7 @@ impl StencilMap {
         for &(i, a, ti) in &self.rows {
             for &(j, b, tj) in &self.rows {
                 if a >= b {
-                    let block = if i >= j { *own.block(i, j) } else { own.block(j, i).transpose() };
+                    let block = if i >= j { own.block(i, j) } else { own.block(j, i).transpose() };
                     *tied.block_mut(a, b) += ti.transpose() * block * tj;
                 }
             }

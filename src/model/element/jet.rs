@@ -15,6 +15,7 @@ pub(super) struct Jet {
 
 impl Jet {
     /// The jet of these derivatives; of the Hessian only the lower triangle is read.
+    #[inline(always)]
     pub(super) fn new(
         value: f64,
         gradient: [f64; VARIABLES],

@@ -12,9 +12,11 @@
 //! Source: Kiendl et al. (2009), isogeometric shell analysis with Kirchhoff-Love elements, for the variations.
 
 use nalgebra::Matrix3;
+use pulp::Simd;
 
 use super::jet::{Jet, VARIABLES};
 use crate::math::Vec3;
+use crate::model::block::Block;
 use crate::model::local::LocalDerivatives;
 use crate::model::system::Inadmissible;
 
@@ -33,6 +35,7 @@ pub(super) struct Derivatives {
 }
 
 impl Derivatives {
+    #[inline(always)]
     pub(super) fn new(basis: &[Row], x: &[Vec3]) -> Self {
         let mut d = [Vec3::zeros(); 5];
         for (row, x) in basis.iter().zip(x) {
@@ -46,6 +49,7 @@ impl Derivatives {
     }
 
     /// First and second fundamental form.
+    #[inline(always)]
     pub(super) fn forms(&self) -> Result<[Form; 2], Inadmissible> {
         let [a1, a2, x11, x22, x12] = &self.d;
         if !(self.jacobian > 0.0 && self.jacobian.is_finite()) {
@@ -56,7 +60,14 @@ impl Derivatives {
     }
 
     /// Adds the derivatives of an energy of the forms `(a_ab, b_ab)` to those of the nodes with weights `basis`.
-    pub(super) fn chain(&self, energy: &Jet, basis: &[Row], local: &mut LocalDerivatives) {
+    #[inline(always)]
+    pub(super) fn chain<S: Simd>(
+        &self,
+        simd: S,
+        energy: &Jet,
+        basis: &[Row],
+        local: &mut LocalDerivatives,
+    ) {
         let frame = Frame::new(self);
         let h = self.gradient(&frame, &energy.gradient);
         for (gradient, row) in local.gradient_mut().iter_mut().zip(basis) {
@@ -65,11 +76,12 @@ impl Derivatives {
             }
         }
         if local.with_hessian() {
-            add_hessian(&self.hessian(&frame, energy), basis, local);
+            add_hessian(simd, &self.hessian(&frame, energy), basis, local);
         }
     }
 
     /// The energy's gradient with respect to `d`, from that with respect to the forms.
+    #[inline(always)]
     fn gradient(&self, frame: &Frame, q: &[f64; VARIABLES]) -> [Vec3; 5] {
         let [a1, a2, ..] = &self.d;
         let n = &self.normal;
@@ -84,6 +96,7 @@ impl Derivatives {
     }
 
     /// The energy's Hessian with respect to `d`, in blocks.
+    #[inline(always)]
     fn hessian(&self, frame: &Frame, energy: &Jet) -> [[Block; 5]; 5] {
         let [a1, a2, x11, x22, x12] = &self.d;
         let n = &self.normal;
@@ -125,8 +138,8 @@ impl Derivatives {
 
         let mut h = [[Block::default(); 5]; 5];
         let mut put = |s: usize, t: usize, block: Matrix3<f64>| {
-            h[s][t] = Block::new(&block);
-            h[t][s] = Block::new(&block.transpose());
+            h[s][t] = Block::from(&block);
+            h[t][s] = Block::from(&block.transpose());
         };
         let in_plane = 4.0 * w[0][0] * a11 + 2.0 * w[2][0] * (a12 + a21) + w[2][2] * a22;
         put(0, 0, tangents(0, 0, in_plane, 2.0 * q[0]));
@@ -155,6 +168,7 @@ struct Frame {
 }
 
 impl Frame {
+    #[inline(always)]
     fn new(surface: &Derivatives) -> Self {
         let [a1, a2, second @ ..] = &surface.d;
         let dual =
@@ -163,61 +177,38 @@ impl Frame {
     }
 
     /// `dW/db_ab G^c_ab`.
+    #[inline(always)]
     fn moments(&self, q: &[f64; VARIABLES]) -> [f64; 2] {
         std::array::from_fn(|c| (0..3).map(|k| q[3 + k] * self.gamma[k][c]).sum())
     }
 }
 
 /// `K_IJ += sum_st B_sI B_tJ H_st` for the lower blocks.
-fn add_hessian(hessian: &[[Block; 5]; 5], basis: &[Row], local: &mut LocalDerivatives) {
+#[inline(always)]
+fn add_hessian<S: Simd>(
+    simd: S,
+    hessian: &[[Block; 5]; 5],
+    basis: &[Row],
+    local: &mut LocalDerivatives,
+) {
     for (j, column) in basis.iter().enumerate() {
         let mut half = [Block::default(); 5];
         for (half, row) in half.iter_mut().zip(hessian) {
-            *half = Block::combination(row, column);
+            half.add_combination(simd, row, column);
         }
         for (block, row) in local.column_mut(j).iter_mut().zip(&basis[j..]) {
-            Block::combination(&half, row).add_to(block);
+            block.add_combination(simd, &half, row);
         }
     }
 }
 
-/// A 3x3 matrix by columns, one number longer so that it is five pairs: the width of the baseline's registers.
-#[derive(Clone, Copy, Default)]
-#[repr(align(16))]
-struct Block([f64; 10]);
-
-impl Block {
-    #[inline]
-    fn new(matrix: &Matrix3<f64>) -> Self {
-        let mut block = Self::default();
-        block.0[..9].copy_from_slice(matrix.as_slice());
-        block
-    }
-
-    #[inline]
-    fn combination(blocks: &[Self; 5], weights: &Row) -> Self {
-        let mut sum = Self::default();
-        for (block, weight) in blocks.iter().zip(weights) {
-            for (sum, entry) in sum.0.iter_mut().zip(&block.0) {
-                *sum += weight * entry;
-            }
-        }
-        sum
-    }
-
-    #[inline]
-    fn add_to(&self, matrix: &mut Matrix3<f64>) {
-        for (sum, value) in matrix.as_mut_slice().iter_mut().zip(&self.0) {
-            *sum += value;
-        }
-    }
-}
-
+#[inline(always)]
 pub(super) fn det([f11, f22, f12]: Form) -> f64 {
     f11 * f22 - f12 * f12
 }
 
 /// `b a^-1 b = tr(a^-1 b) b - (det b / det a) a` (Cayley and Hamilton).
+#[inline(always)]
 pub(super) fn third_form(a: Form, b: Form, det_a: f64) -> Form {
     let trace = (a[1] * b[0] + a[0] * b[1] - 2.0 * a[2] * b[2]) / det_a;
     let gauss = det(b) / det_a;
@@ -225,6 +216,7 @@ pub(super) fn third_form(a: Form, b: Form, det_a: f64) -> Form {
 }
 
 /// `(1 - z k1)(1 - z k2)`: the area of a layer at height `z` over that of the mid-surface.
+#[inline(always)]
 pub(super) fn shifter(z: f64, a: Form, b: Form, det_a: f64) -> f64 {
     let trace = (a[1] * b[0] + a[0] * b[1] - 2.0 * a[2] * b[2]) / det_a;
     1.0 - z * trace + z * z * det(b) / det_a

@@ -183,7 +183,7 @@ fn scatter(hessian: &[[Matrix3<f64>; 6]; 6], places: &[usize; 6], local: &mut Lo
     for (i, (&row, blocks)) in places.iter().zip(hessian).enumerate() {
         for (j, (&column, block)) in places.iter().zip(blocks).take(i + 1).enumerate() {
             if row >= column {
-                *local.block_mut(row, column) += block;
+                *local.block_mut(row, column) += *block;
             }
             // A block below the diagonal stands for its transposed one above it, too.
             if row < column || (row == column && i != j) {

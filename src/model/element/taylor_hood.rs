@@ -293,7 +293,8 @@ impl Term for TaylorHood {
                 for (block, other) in below.iter_mut().zip(&gradients[k..]) {
                     let [x, y, z] = &stiffness;
                     *block += x * other.x + y * other.y + z * other.z;
-                    add_skew(block, dv * p * (f * gradient.cross(other)));
+                    let [x, y, z] = (dv * p * (f * gradient.cross(other))).into();
+                    block.add_cross([x, y, z, 0.0]);
                 }
                 for (block, l) in pressures.iter_mut().zip(corners) {
                     for axis in 0..3 {
@@ -304,16 +305,6 @@ impl Term for TaylorHood {
         }
         Ok(energy)
     }
-}
-
-/// Adds `[v]x`.
-fn add_skew(block: &mut Matrix3<f64>, v: Vec3) {
-    block[(2, 1)] += v.x;
-    block[(1, 2)] -= v.x;
-    block[(0, 2)] += v.y;
-    block[(2, 0)] -= v.y;
-    block[(1, 0)] += v.z;
-    block[(0, 1)] -= v.z;
 }
 
 const NODES: usize = 10;

@@ -144,6 +144,7 @@ impl WallPoint {
     ///
     /// # Errors
     /// [`Inadmissible`] where a fold is tighter than half the wall.
+    #[inline(always)]
     pub(super) fn derivatives(
         &self,
         [a, b]: [Form; 2],
@@ -241,7 +242,7 @@ struct ThirdForm {
 }
 
 impl ThirdForm {
-    #[inline]
+    #[inline(always)]
     fn new(a: Form, b: Form, det_a: f64) -> Self {
         let off = -a[2] / det_a;
         let inverse = [[a[1] / det_a, off], [off, a[0] / det_a]];
@@ -256,7 +257,7 @@ impl ThirdForm {
     }
 
     /// Adds the second derivatives of `weights . c` to `hessian`: `2 tr(W e^T a^-1 e)`.
-    #[inline]
+    #[inline(always)]
     fn add_second(&self, weights: Form, hessian: &mut [[f64; VARIABLES]; VARIABLES]) {
         let [m1, m2] = self.mixed;
         // e = db - da m by each variable.
@@ -280,12 +281,12 @@ impl ThirdForm {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn product(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
     a.map(|[one, two]| [0, 1].map(|j| one * b[0][j] + two * b[1][j]))
 }
 
-#[inline]
+#[inline(always)]
 fn dot(a: Form, b: Form) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -297,13 +298,14 @@ impl Metric {
     }
 
     /// `T = tr(G^-1 g)` and `J = det g / det G`.
+    #[inline(always)]
     fn invariants(&self, g: Form) -> (f64, f64) {
         let t = (0..3).map(|k| self.inverse[k] * g[k]).sum();
         (t, det(g) * self.inverse_det)
     }
 
     /// First and second derivatives by `g` of a function of the invariants.
-    #[inline]
+    #[inline(always)]
     fn chain(&self, g: Form, f: &OfInvariants) -> (Form, [Form; 3]) {
         let dt = self.inverse;
         let dj = [g[1], g[0], -2.0 * g[2]].map(|v| v * self.inverse_det);
@@ -340,11 +342,13 @@ pub(super) fn bending_depth(forms: [Form; 2], thickness: f64) -> f64 {
     depth
 }
 
+#[inline(always)]
 fn layer_metric(a: Form, b: Form, third: Form, z: f64) -> Form {
     std::array::from_fn(|k| a[k] - 2.0 * z * b[k] + z * z * third[k])
 }
 
 /// [`shifter`], negative also where the layer is turned inside out along both directions: `1 - z k1` and `1 - z k2` are.
+#[inline(always)]
 fn unfolded(z: f64, a: Form, b: Form, det_a: f64) -> f64 {
     let area = shifter(z, a, b, det_a);
     // Both factors are positive only where their mean is.
@@ -352,6 +356,7 @@ fn unfolded(z: f64, a: Form, b: Form, det_a: f64) -> f64 {
     if mean > 0.0 { area } else { -area.abs() }
 }
 
+#[inline(always)]
 fn check_shifter(z: f64, a: Form, b: Form, det_a: f64) -> Result<(), Inadmissible> {
     if unfolded(z, a, b, det_a) > 0.0 {
         Ok(())

@@ -12,10 +12,11 @@
 //! A part cut off by planes of symmetry is closed by [`Fan`]s: the flat cut, as facets from an edge to a point of its plane.
 //! A plane through the origin of the volumes needs none. Openings, as an air inlet, are closed by [`LidFan`]s.
 
-use nalgebra::Matrix3;
+use pulp::{Simd, WithSimd};
 
 use super::lid::LidFan;
 use crate::math::Vec3;
+use crate::model::block::{add_combination, vectorize};
 use crate::model::body::Configuration;
 use crate::model::element::ElementPoints;
 use crate::model::local::{LocalDerivatives, Term};
@@ -98,6 +99,7 @@ impl ChamberPressure {
     }
 
     /// The six points of a stencil, seen from the origin of the volumes.
+    #[inline(always)]
     fn points<'a>(&self, limits: &[[f64; 6]], x: impl IntoIterator<Item = &'a Vec3>) -> [Vec3; 6] {
         let mut points = [-self.origin; 6];
         for (weights, x) in limits.iter().zip(x) {
@@ -108,15 +110,18 @@ impl ChamberPressure {
         points
     }
 
+    #[inline(always)]
     fn fan(&self, s: usize) -> Option<&Fan> {
         let elements = self.stencils.len() - self.fans.len() - self.lids.len();
         s.checked_sub(elements).map(|fan| &self.fans[fan])
     }
 
+    #[inline(always)]
     fn apex(&self, fan: &Fan) -> Vec3 {
         fan.apex - self.origin
     }
 
+    #[inline(always)]
     fn volume_of(&self, s: usize, points: &[Vec3; 6]) -> f64 {
         let Some(fan) = self.fan(s) else {
             return facet_volume(points);
@@ -127,6 +132,7 @@ impl ChamberPressure {
         fan.edges().map(volume).iter().sum()
     }
 
+    #[inline(always)]
     fn gradient_of(&self, s: usize, points: &[Vec3; 6]) -> [Vec3; 6] {
         let Some(fan) = self.fan(s) else {
             return facet_gradient(points);
@@ -139,6 +145,7 @@ impl ChamberPressure {
         gradient
     }
 
+    #[inline(always)]
     fn hessian_axes_of(&self, s: usize, points: &[Vec3; 6]) -> Axes {
         let Some(fan) = self.fan(s) else {
             return facet_hessian_axes(points);
@@ -240,23 +247,45 @@ impl Term for ChamberPressure {
             self.add_derivatives_of_lid(lid, x, local);
             return Ok(-self.pressure * lid.volume(x));
         }
-        let limits = &self.limits[s];
-        let points = self.points(limits, x);
-        let by_point = self.gradient_of(s, &points);
+        vectorize(DerivativesOf { chamber: self, s, x, local })
+    }
+}
+
+/// The derivatives of one stencil's energy.
+struct DerivativesOf<'a> {
+    chamber: &'a ChamberPressure,
+    s: usize,
+    x: &'a [Vec3],
+    local: &'a mut LocalDerivatives,
+}
+
+impl WithSimd for DerivativesOf<'_> {
+    type Output = Result<f64, Inadmissible>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { chamber, s, x, local } = self;
+        let (limits, pressure) = (&chamber.limits[s], chamber.pressure);
+        let points = chamber.points(limits, x);
+        let by_point = chamber.gradient_of(s, &points);
         for (gradient, weights) in local.gradient_mut().iter_mut().zip(limits) {
-            *gradient -= self.pressure * combine(&by_point, weights);
+            *gradient -= pressure * combine(&by_point, weights);
         }
         if local.with_hessian() {
-            let axes = self.hessian_axes_of(s, &points);
+            let axes = chamber.hessian_axes_of(s, &points);
             for (j, weights) in limits.iter().enumerate() {
-                let scaled = weights.map(|w| -self.pressure * w);
-                let half = axes.map(|axes| axes.map(|row| dot(&row, &scaled)));
+                let mut half = [Axis::default(); 6];
+                for (half, axes) in half.iter_mut().zip(&axes) {
+                    add_combination(simd, half, axes.each_ref(), &weights.map(|w| -pressure * w));
+                }
                 for (block, row) in local.column_mut(j).iter_mut().zip(&limits[j..]) {
-                    add_cross(block, [0, 1, 2].map(|k| dot(&half[k], row)));
+                    let mut axis = Axis::default();
+                    add_combination(simd, &mut axis, half.each_ref(), row);
+                    block.add_cross(axis);
                 }
             }
         }
-        Ok(-self.pressure * self.volume_of(s, &points))
+        Ok(-pressure * chamber.volume_of(s, &points))
     }
 }
 
@@ -267,7 +296,8 @@ impl ChamberPressure {
         }
         if local.with_hessian() {
             lid.hessian_axes(x, |i, j, axis| {
-                add_cross(local.block_mut(i, j), (-self.pressure * axis).into());
+                let [x, y, z] = (-self.pressure * axis).into();
+                local.block_mut(i, j).add_cross([x, y, z, 0.0]);
             });
         }
     }
@@ -278,17 +308,6 @@ fn places(stencil: &[u32], positions: &[Vec3]) -> Vec<Vec3> {
     stencil.iter().map(|&v| positions[v as usize]).collect()
 }
 
-/// Adds the matrix of the cross product with `[x, y, z]`.
-#[inline]
-fn add_cross(block: &mut Matrix3<f64>, [x, y, z]: [f64; 3]) {
-    block[(1, 0)] += z;
-    block[(0, 1)] -= z;
-    block[(0, 2)] += y;
-    block[(2, 0)] -= y;
-    block[(2, 1)] += x;
-    block[(1, 2)] -= x;
-}
-
 impl Fan {
     /// Chords of the edge between the element's points, against the element's own turn, with their weights: as [`FACETS`].
     fn edges(&self) -> [([usize; 2], f64); 3] {
@@ -297,6 +316,7 @@ impl Fan {
     }
 }
 
+#[inline(always)]
 fn combine(vectors: &[Vec3; 6], weights: &[f64; 6]) -> Vec3 {
     vectors.iter().zip(weights).fold(Vec3::zeros(), |sum, (v, w)| sum + *w * v)
 }
@@ -311,12 +331,14 @@ const FACETS: [([usize; 3], f64); 5] = [
     ([0, 1, 2], -1.0 / 3.0),
 ];
 
+#[inline(always)]
 fn facet_volume(points: &[Vec3; 6]) -> f64 {
     let volume =
         |&([a, b, c], w): &([usize; 3], f64)| w / 6.0 * points[a].dot(&points[b].cross(&points[c]));
     FACETS.iter().map(volume).sum()
 }
 
+#[inline(always)]
 fn facet_gradient(points: &[Vec3; 6]) -> [Vec3; 6] {
     let mut gradient = [Vec3::zeros(); 6];
     for ([a, b, c], w) in FACETS {
@@ -327,9 +349,13 @@ fn facet_gradient(points: &[Vec3; 6]) -> [Vec3; 6] {
     gradient
 }
 
-/// Axes `w_pq` of the skew blocks `d2V/dx_p dx_q = [w_pq]x`, as `[component][p][q]`.
-type Axes = [[[f64; 6]; 6]; 3];
+/// A vector, and one number that is never read: a register of four.
+type Axis = [f64; 4];
 
+/// Axes `w_pq` of the skew blocks `d2V/dx_p dx_q = [w_pq]x`, as `[p][q]`.
+type Axes = [[Axis; 6]; 6];
+
+#[inline(always)]
 fn facet_hessian_axes(points: &[Vec3; 6]) -> Axes {
     let mut axes = Axes::default();
     for ([a, b, c], w) in FACETS {
@@ -341,15 +367,12 @@ fn facet_hessian_axes(points: &[Vec3; 6]) -> Axes {
 }
 
 /// Adds `axis` to that of points `p, q`, and takes it from that of `q, p`.
+#[inline(always)]
 fn add_axis(axes: &mut Axes, [p, q]: [usize; 2], axis: Vec3) {
-    for (axes, component) in axes.iter_mut().zip(axis.iter()) {
-        axes[p][q] += component;
-        axes[q][p] -= component;
+    for (k, component) in axis.iter().enumerate() {
+        axes[p][q][k] += component;
+        axes[q][p][k] -= component;
     }
-}
-
-fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
 }
 
 #[cfg(test)]

@@ -171,7 +171,7 @@ impl Term for FollowerLoads {
             for j in 0..x.len() {
                 for i in j..x.len() {
                     let twice = stiffness.block(i, j) + stiffness.block(j, i).transpose();
-                    *local.block_mut(i, j) -= 0.5 * self.load_factor * twice;
+                    *local.block_mut(i, j) += -0.5 * self.load_factor * twice;
                 }
             }
         }
@@ -380,7 +380,7 @@ mod tests {
                     for (i, &row) in stencil.iter().enumerate() {
                         for (j, &column) in stencil.iter().enumerate() {
                             let block = if i >= j {
-                                *local.block(i, j)
+                                local.block(i, j)
                             } else {
                                 local.block(j, i).transpose()
                             };
