@@ -70,9 +70,8 @@ impl PartModel {
         let parts = Discretization::closed(mesh, materials)?;
         let held = match support {
             Support::Clamp => {
-                let near = |&v: &u32| mesh.rings.ring(v).iter().copied().chain([v]);
-                let nodes = mesh.clamp.iter().flat_map(near);
-                nodes.flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
+                let held = mesh.held_vertices();
+                held.iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
             }
             Support::Unknowns(unknowns) => unknowns.clone(),
         };
