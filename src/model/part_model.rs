@@ -276,7 +276,7 @@ impl PartModel {
         }
         let mut energy = 0.0;
         for placed in terms.iter_mut().filter(|placed| !placed.is_lifted) {
-            if let Some(dead) = placed.term().dead_forces() {
+            if let Some(dead) = placed.as_kind::<DeadForces>() {
                 energy += placed.term().whole_energy(&at).unwrap_or_default();
                 let forces = dead.on_unknowns().iter();
                 for (residual, force) in residual.as_chunks_mut().0.iter_mut().zip(forces) {

@@ -80,10 +80,6 @@ impl PartTerm for DeadForces {
         Some(-self.load_factor * self.work(at.unknowns))
     }
 
-    fn dead_forces(&self) -> Option<&DeadForces> {
-        Some(self)
-    }
-
     fn conjugate(&self, at: &Configuration<'_>) -> f64 {
         if self.is_load { self.work(at.unknowns) } else { 0.0 }
     }

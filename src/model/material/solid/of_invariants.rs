@@ -13,7 +13,7 @@
 
 use nalgebra::Matrix3;
 
-use super::{LOWER, SolidResponse, mirror};
+use super::response::{LOWER, SolidResponse, mirror};
 
 /// `psi_iso` at `f`, MPa, of `psi(x)` and `d`, MPa.
 pub(in crate::model::material) fn energy(
