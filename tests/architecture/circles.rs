@@ -110,15 +110,14 @@ fn target<'f, 'a>(
 /// The paths of two names or more in `code`, the groups of `use` opened; those of a visibility left out.
 fn paths(code: &str) -> Vec<Vec<String>> {
     let mut paths = Vec::new();
-    let mut rest = code;
-    while let Some(start) = rest.find(is_word_letter) {
-        let is_visibility = rest[..start].ends_with("(in ");
-        let before = paths.len();
-        let end = start + push_paths(&rest[start..], &[], &mut paths);
+    let mut at = 0;
+    while let Some(skipped) = code[at..].find(is_word_letter) {
+        at += skipped;
+        let (is_visibility, before) = (code[..at].ends_with("(in "), paths.len());
+        at += push_paths(&code[at..], &[], &mut paths);
         if is_visibility {
             paths.truncate(before);
         }
-        rest = &rest[end..];
     }
     paths.retain(|path| path.len() > 1);
     paths
