@@ -6,12 +6,12 @@
 pub mod assembly;
 mod body;
 pub mod contact;
-pub mod dirichlet;
+mod dirichlet;
 mod discretization;
 mod edge_support;
 pub mod element;
 mod free_body;
-pub mod load;
+mod load;
 pub mod local;
 pub mod material;
 mod membrane;
