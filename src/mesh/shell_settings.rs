@@ -14,6 +14,17 @@ pub enum ShellElement {
     MidEdge,
 }
 
+impl ShellElement {
+    /// Its name in files and tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Loop => "loop",
+            Self::MidEdge => "mid-edge",
+        }
+    }
+}
+
 /// How a mid-surface becomes a shell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
