@@ -128,7 +128,7 @@ fn push_paths(text: &str, prefix: &[String], paths: &mut Vec<Vec<String>>) -> us
     let length = text.find(|letter| !is_word_letter(letter)).unwrap_or(text.len());
     let (word, rest) = text.split_at(length);
     let mut path = prefix.to_vec();
-    if !(word == "self" && !prefix.is_empty()) && !word.is_empty() {
+    if !word.is_empty() && (word != "self" || prefix.is_empty()) {
         path.push(word.to_owned());
     }
     let Some(after) = rest.strip_prefix("::") else {
