@@ -40,7 +40,7 @@ pub fn evaluate(
     let own_rows = || scenarios.walked.iter().flat_map(Walked::own_rows);
     let evaluation = Evaluation {
         objectives: fitness.objectives().map(value).collect(),
-        figure_of_merit: figure_of_merit(free, part.shell().length),
+        figure_of_merit: figure_of_merit(free, part.shell().ends.heights.length),
         max_force: blocked.iter().map(|row| row.plane_force).fold(0.0, f64::max),
         angle_deg: free.last().map_or(0.0, |row| row.angle_deg),
         creased_share: scenarios.model().creased_share(),

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::turning::Turning;
 use crate::math::{Vec3, area_vector};
-use crate::mesh::ShellMesh;
+use crate::mesh::{EndSets, ShellMesh};
 use crate::model::PartModel;
 use crate::solve::PathPoint;
 use crate::surface::TriangleMesh;
@@ -131,9 +131,17 @@ pub struct Watched<'a> {
     pub length: f64,
 }
 
+impl<'a> Watched<'a> {
+    /// A part whose model shows the vertices of `surface`, with these ends.
+    #[must_use]
+    pub fn new(surface: &'a TriangleMesh, ends: &'a EndSets) -> Self {
+        Self { surface, tip: &ends.tip, length: ends.heights.length }
+    }
+}
+
 impl<'a> From<&'a ShellMesh> for Watched<'a> {
     fn from(mesh: &'a ShellMesh) -> Self {
-        Self { surface: &mesh.surface, tip: &mesh.tip, length: mesh.length }
+        Self::new(&mesh.surface, &mesh.ends)
     }
 }
 
@@ -214,7 +222,7 @@ mod tests {
             let settings = ShellSettings { tip_fraction, ..ShellSettings::default() };
             let mesh = ShellMesh::new(TriangleMesh::sphere(10.0, 2), &settings).unwrap();
             let facets = tip_facets(&(&mesh).into());
-            (mesh.tip.len(), facets.len(), area_of_all(&facets, &mesh.surface.positions))
+            (mesh.ends.tip.len(), facets.len(), area_of_all(&facets, &mesh.surface.positions))
         };
         let (vertices, facets, direction) = tip_of(1e-9);
         assert!(vertices <= 2 && facets >= 5, "{vertices} vertices, {facets} facets");

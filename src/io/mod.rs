@@ -30,6 +30,7 @@ pub mod toml_file;
 pub mod vtu;
 pub mod vtu_solid;
 pub mod vtu_surface;
+mod xml;
 
 pub use atomic::OutputFolder;
 pub use error::{InputError, OutputError};

@@ -134,12 +134,12 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::TET_EDGES;
     use crate::mesh::tetrahedra::test_walls::{of_prisms, spheres};
-    use crate::model::material::rubbers;
+    use crate::model::material::example_rubbers;
 
     /// Each law of ours has a card, and is among those that the refusal names, or is refused by its name.
     #[test]
     fn laws_have_a_card_or_are_refused() {
-        for law in rubbers() {
+        for law in example_rubbers() {
             let name = law.name();
             let line = NoCard(name).to_string();
             let is_known = line.matches(name).count() > 1;

@@ -15,6 +15,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
+use super::xml::escaped;
 use super::{OutputError, atomic};
 use crate::math::Vec3;
 use crate::surface::TriangleMesh;
@@ -100,20 +101,6 @@ impl Model<'_> {
         );
         xml
     }
-}
-
-fn escaped(text: &str) -> String {
-    let mut xml = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '<' => xml += "&lt;",
-            '>' => xml += "&gt;",
-            '&' => xml += "&amp;",
-            '"' => xml += "&quot;",
-            letter => xml.push(letter),
-        }
-    }
-    xml
 }
 
 const CONTENT_TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use super::xml::escaped;
 use super::{OutputError, atomic};
 use crate::math::Vec3;
 use crate::mesh::SolidMesh;
@@ -227,10 +228,6 @@ impl AppendedBlocks {
             escaped(name)
         )
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -1,4 +1,6 @@
-//! Angles and areas.
+//! Angles, areas and how they are mapped.
+
+use nalgebra::Matrix3;
 
 use super::Vec3;
 
@@ -16,4 +18,12 @@ pub fn angle_between(a: Vec3, b: Vec3) -> f64 {
 #[inline]
 pub fn area_vector([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a)) / 2.0
+}
+
+/// `det(F) F^-T`, which maps area vectors as `F` maps lines.
+#[must_use]
+#[inline]
+pub fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
+    let [a, b, c] = [0, 1, 2].map(|k| f.column(k).into_owned());
+    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }

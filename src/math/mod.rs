@@ -13,7 +13,7 @@ pub use box_tree::{BoxTree, Node};
 pub use box3::Box3;
 pub use cpu_time::cpu_seconds;
 pub use disjoint_sets::DisjointSets;
-pub use geometry::{angle_between, area_vector};
+pub use geometry::{angle_between, area_vector, cofactor};
 pub use reason::Reason;
 pub use rejected::{Rejected, Room, Stage};
 

@@ -9,7 +9,10 @@
 //!
 //! Tetrahedra alone have no middle: their faces are taken to lie half a thickness beyond it.
 
-use super::ShellSettings;
+use super::shell_settings::ShellSettings;
+use super::solid::SolidMesh;
+use crate::math::Vec3;
+use crate::surface::TriangleMesh;
 
 /// Heights along z at rest, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,17 +27,52 @@ pub struct Ends {
     pub tip_bottom: f64,
 }
 
-impl Ends {
-    /// Of a part whose middle has points at `heights` (mm).
+/// The ends of a meshed part: their heights, and what of the mesh lies there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EndSets {
+    /// Along z.
+    pub heights: Ends,
+    /// Held vertices, or nodes of a solid, ascending.
+    pub clamp: Vec<u32>,
+    /// Vertices of the surface whose mean motion is the motion of the tip, ascending.
+    pub tip: Vec<u32>,
+}
+
+impl EndSets {
+    /// Of a shell whose middle is `middle`.
     #[must_use]
-    pub fn of_middle(heights: impl Iterator<Item = f64>, settings: &ShellSettings) -> Self {
+    pub fn of_shell(middle: &TriangleMesh, settings: &ShellSettings) -> Self {
+        let heights = Ends::of_middle(middle.positions.iter().map(|x| x.z), settings);
+        let clamp = heights.held(middle.positions.iter().map(|x| x.z));
+        Self { heights, clamp, tip: heights.tip(middle) }
+    }
+
+    /// Of a solid between these heights, whose tip is watched on its `surface`.
+    #[must_use]
+    pub fn of_solid(mesh: &SolidMesh, heights: Ends, surface: &TriangleMesh) -> Self {
+        Self { heights, clamp: heights.held_nodes(mesh), tip: heights.tip(surface) }
+    }
+}
+
+impl Ends {
+    /// Of a solid, from its faces.
+    #[must_use]
+    pub fn of_solid(mesh: &SolidMesh, settings: &ShellSettings) -> Self {
+        Self::of_faces(mesh.positions.iter().map(|x| x.z), settings)
+    }
+
+    /// The nodes of a solid that are held, ascending.
+    #[must_use]
+    pub fn held_nodes(&self, mesh: &SolidMesh) -> Vec<u32> {
+        self.held(mesh.positions.iter().map(|x| x.z))
+    }
+
+    fn of_middle(heights: impl Iterator<Item = f64>, settings: &ShellSettings) -> Self {
         let [low, high] = extremes(heights);
         Self::between(low, high, settings)
     }
 
-    /// Of a part whose faces have points at `heights` (mm).
-    #[must_use]
-    pub fn of_faces(heights: impl Iterator<Item = f64>, settings: &ShellSettings) -> Self {
+    fn of_faces(heights: impl Iterator<Item = f64>, settings: &ShellSettings) -> Self {
         let [low, high] = extremes(heights);
         Self::between(low + 0.5 * settings.thickness, high - 0.5 * settings.thickness, settings)
     }
@@ -49,16 +87,13 @@ impl Ends {
         }
     }
 
-    /// The numbers of those of `heights` (mm) that are held, ascending.
-    #[must_use]
-    pub fn held(&self, heights: impl Iterator<Item = f64>) -> Vec<u32> {
+    fn held(&self, heights: impl Iterator<Item = f64>) -> Vec<u32> {
         (0..).zip(heights).filter_map(|(v, z)| (z < self.clamp_top).then_some(v)).collect()
     }
 
-    /// The numbers of those of `heights` (mm) that are the tip, ascending.
-    #[must_use]
-    pub fn tip(&self, heights: impl Iterator<Item = f64>) -> Vec<u32> {
-        (0..).zip(heights).filter_map(|(v, z)| (z >= self.tip_bottom).then_some(v)).collect()
+    fn tip(&self, surface: &TriangleMesh) -> Vec<u32> {
+        let is_tip = |(v, x): (u32, &Vec3)| (x.z >= self.tip_bottom).then_some(v);
+        (0..).zip(&surface.positions).filter_map(is_tip).collect()
     }
 }
 
@@ -81,6 +116,7 @@ mod tests {
         assert_eq!(middle, expected);
         let heights = [9.0, 12.9, 13.0, 104.9, 105.0, 111.0];
         assert_eq!(middle.held(heights.into_iter()), [0, 1]);
-        assert_eq!(middle.tip(heights.into_iter()), [4, 5]);
+        let positions = heights.map(|z| Vec3::new(0.0, 0.0, z)).to_vec();
+        assert_eq!(middle.tip(&TriangleMesh { positions, triangles: Vec::new() }), [4, 5]);
     }
 }

@@ -133,13 +133,6 @@ impl SolidMesh {
         self.tetrahedra.iter().map(centre)
     }
 
-    /// Nodes with `z` below `height` (mm), ascending.
-    #[must_use]
-    pub fn nodes_below(&self, height: f64) -> Vec<u32> {
-        let nodes = (0u32..).zip(&self.positions);
-        nodes.filter_map(|(node, x)| (x.z < height).then_some(node)).collect()
-    }
-
     /// All unknowns of `nodes`, `3 node + axis`.
     #[must_use]
     pub fn unknowns_of(nodes: &[u32]) -> Vec<u32> {

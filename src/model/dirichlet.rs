@@ -7,7 +7,7 @@ use super::system::SparsityPattern;
 
 /// Which unknowns are held, and which stored entries that touches.
 #[derive(Clone, Debug, Default)]
-pub struct Dirichlet {
+pub(super) struct Dirichlet {
     held: Vec<u32>,
     coupled_entries: Vec<u32>,
     diagonal_entries: Vec<u32>,
@@ -16,7 +16,7 @@ pub struct Dirichlet {
 impl Dirichlet {
     /// Holds the unknowns `held` of a system with `pattern`.
     #[must_use]
-    pub fn new(pattern: &SparsityPattern, mut held: Vec<u32>) -> Self {
+    pub(super) fn new(pattern: &SparsityPattern, mut held: Vec<u32>) -> Self {
         held.sort_unstable();
         held.dedup();
         let mut is_held = vec![false; pattern.order()];
@@ -40,31 +40,31 @@ impl Dirichlet {
 
     /// Holds the same unknowns of a system with another `pattern`.
     #[must_use]
-    pub fn with_pattern(&self, pattern: &SparsityPattern) -> Self {
+    pub(super) fn with_pattern(&self, pattern: &SparsityPattern) -> Self {
         Self::new(pattern, self.held.clone())
     }
 
     /// The unknowns that are held, ascending.
     #[must_use]
-    pub fn unknowns(&self) -> &[u32] {
+    pub(super) fn unknowns(&self) -> &[u32] {
         &self.held
     }
 
     /// How many unknowns are held.
     #[must_use]
-    pub fn held(&self) -> usize {
+    pub(super) fn held(&self) -> usize {
         self.held.len()
     }
 
     /// Zeroes the held entries of a gradient.
-    pub fn apply_to_residual(&self, residual: &mut [f64]) {
+    pub(super) fn apply_to_residual(&self, residual: &mut [f64]) {
         for &unknown in &self.held {
             residual[unknown as usize] = 0.0;
         }
     }
 
     /// Makes the held rows and columns those of the identity.
-    pub fn apply_to_tangent(&self, tangent: &mut [f64]) {
+    pub(super) fn apply_to_tangent(&self, tangent: &mut [f64]) {
         for &entry in &self.coupled_entries {
             tangent[entry as usize] = 0.0;
         }

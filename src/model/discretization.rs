@@ -16,7 +16,7 @@ use super::load::{
 use super::local::{LocalDerivatives, Term};
 use super::material::Material;
 use super::part_term::PartTerm;
-use super::patch_model::PatchLoads;
+use super::patch_loads::PatchLoads;
 use super::system::Inadmissible;
 use super::tie::Ties;
 use crate::math::{Reason, Rejected, Room, Vec3};

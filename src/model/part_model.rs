@@ -70,9 +70,8 @@ impl PartModel {
         let parts = Discretization::closed(mesh, materials)?;
         let held = match support {
             Support::Clamp => {
-                let near = |&v: &u32| mesh.rings.ring(v).iter().copied().chain([v]);
-                let nodes = mesh.clamp.iter().flat_map(near);
-                nodes.flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
+                let held = mesh.held_vertices();
+                held.iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
             }
             Support::Unknowns(unknowns) => unknowns.clone(),
         };
@@ -280,9 +279,9 @@ impl PartModel {
             let tangent = tangent.as_deref_mut();
             energy += Placed::assemble(alike, assembler, &positions, residual, tangent)?;
         }
-        for term in in_place(terms) {
-            let Some(dead) = term.dead_forces() else { continue };
-            energy += term.whole_energy(&at).unwrap_or_default();
+        for placed in terms.iter().filter(|placed| !placed.is_lifted) {
+            let Some(dead) = placed.as_kind::<DeadForces>() else { continue };
+            energy += placed.term().whole_energy(&at).unwrap_or_default();
             let forces = dead.on_unknowns().iter();
             for (residual, force) in residual.as_chunks_mut().0.iter_mut().zip(forces) {
                 *residual = (Vec3::from(*residual) - dead.load_factor * force).into();

@@ -8,7 +8,6 @@ use std::fmt::Debug;
 
 use super::assembly::{Assembler, Slots};
 use super::body::{Body, Configuration};
-use super::load::DeadForces;
 use super::local::{LocalDerivatives, Term};
 use super::system::{Inadmissible, Limit};
 use super::tie::Tied;
@@ -37,11 +36,6 @@ pub(super) trait PartTerm: Term + Any + Debug + Send + Sync {
     /// Its energy, mJ, where that is not the sum over its stencils.
     fn whole_energy(&self, at: &Configuration<'_>) -> Option<f64> {
         let _ = at;
-        None
-    }
-
-    /// Forces on the unknowns that are the same in every state.
-    fn dead_forces(&self) -> Option<&DeadForces> {
         None
     }
 

@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, Matrix6, SymmetricEigen, Vector6};
 
 use super::edge_support::EdgeSupport;
-use super::patch_model::PatchLoads;
+use super::patch_loads::PatchLoads;
 use crate::math::Vec3;
 use crate::mesh::Patch;
 

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use crate::math::{Reason, Rejected, Room, Vec3};
-use crate::surface::{HalfEdges, TriangleMesh};
+use crate::surface::{HalfEdges, TriangleMesh, over_used_vertices};
 
 /// A circle about a vertical axis, as a polygon.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +71,7 @@ pub(super) fn opened(mesh: &TriangleMesh, circle: &Circle) -> Result<Opened, Rej
         // Counter-clockwise from above; the sheet faces down.
         triangles.push([a, c, b].map(|k| numbers[k]));
     }
-    let (mesh, numbers) = without_unused(positions, triangles);
+    let (mesh, numbers) = over_used_vertices(&positions, &triangles);
     let rim = (first..first + SEGMENTS as u32).map(|v| numbers[v as usize]).collect();
     Ok(Opened { mesh, rim })
 }
@@ -199,24 +199,6 @@ fn distance_to([a, b, c]: [Vec3; 3], axis: [f64; 2]) -> f64 {
         (ux + share * dx).hypot(uy + share * dy)
     };
     to_segment(a, b).min(to_segment(b, c)).min(to_segment(c, a))
-}
-
-/// The mesh over the vertices that triangles name, and the new number of each old vertex.
-fn without_unused(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> (TriangleMesh, Vec<u32>) {
-    let mut is_used = vec![false; positions.len()];
-    triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
-    let mut count = 0;
-    let numbers: Vec<u32> = is_used
-        .iter()
-        .map(|&is_used| {
-            count += u32::from(is_used);
-            count.saturating_sub(1)
-        })
-        .collect();
-    let used = positions.into_iter().zip(&is_used).filter_map(|(x, used)| used.then_some(x));
-    let positions = used.collect();
-    let triangles = triangles.iter().map(|t| t.map(|v| numbers[v as usize])).collect();
-    (TriangleMesh { positions, triangles }, numbers)
 }
 
 fn uneven(what: &str) -> Rejected {

@@ -1,7 +1,6 @@
 //! A shell that is clamped at its base and has a tip, as a shell or as the solid around it, ready
 //! to be walked.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
@@ -14,7 +13,7 @@ use super::part::{PartSource, own_surface};
 use super::results::walk_summary;
 use super::scene_file::SceneFile;
 use crate::math::Rejected;
-use crate::mesh::{ShellMesh, ShellSettings};
+use crate::mesh::{Ends, ShellMesh};
 use crate::model::system::System;
 use crate::model::{PartModel, Support};
 use crate::solve::{Ending, Path as Walked, PathPoint, SolveTimes, Stop, follow_watched};
@@ -43,7 +42,7 @@ impl Actuator {
     ) -> anyhow::Result<Self> {
         let lies = source.check_size(&scene.part, scene.wall.thickness)?;
         let mesh = shell(scene, source, observer)?;
-        check_tip(&mesh, &scene.wall).with_context(|| path.display().to_string())?;
+        check_tip(&mesh).with_context(|| path.display().to_string())?;
         let surface = SurfaceQuality::of(&mesh.surface)?;
         let setup = scene.setup(scene.load_settings().pressure)?;
         let materials = scene.materials()?;
@@ -102,15 +101,14 @@ pub(crate) fn holds_the_tip(clamp_top: f64, tip: f64) -> String {
 }
 
 /// Refuses a clamp that leaves nothing to watch.
-fn check_tip(mesh: &ShellMesh, wall: &ShellSettings) -> anyhow::Result<()> {
-    let held: BTreeSet<u32> =
-        mesh.clamp.iter().flat_map(|&v| mesh.rings.ring(v).iter().copied().chain([v])).collect();
-    if mesh.tip.iter().any(|v| !held.contains(v)) {
+fn check_tip(mesh: &ShellMesh) -> anyhow::Result<()> {
+    let held = mesh.held_vertices();
+    if mesh.ends.tip.iter().any(|v| !held.contains(v)) {
         return Ok(());
     }
-    let (clamp_top, tip) = (mesh.clamp_top, mesh.base + (1.0 - wall.tip_fraction) * mesh.length);
-    ensure!(clamp_top < tip, holds_the_tip(clamp_top, tip));
+    let Ends { clamp_top, tip_bottom, .. } = mesh.ends.heights;
+    ensure!(clamp_top < tip_bottom, holds_the_tip(clamp_top, tip_bottom));
     bail!(
-        "the clamp holds the tip too: the vertices beside those below z = {clamp_top:.3} mm are held with them, and some are the tip, above z = {tip:.3} mm; mesh the part finer"
+        "the clamp holds the tip too: the vertices beside those below z = {clamp_top:.3} mm are held with them, and some are the tip, above z = {tip_bottom:.3} mm; mesh the part finer"
     )
 }

@@ -12,7 +12,7 @@ use super::watch_curve::WatchCurve;
 use crate::fitness;
 use crate::io::{ChamberFound, OwnSolid};
 use crate::math::cpu_seconds;
-use crate::mesh::{Ends, Patch, ShellMesh, Side, SolidMesh};
+use crate::mesh::{EndSets, Ends, Patch, Side, SolidMesh};
 use crate::model::system::System;
 use crate::model::{
     DeadLoad, EdgeSupports, FollowerForce, PartModel, PartSetup, PatchLoads, free_motions,
@@ -31,15 +31,8 @@ pub(crate) struct Shape {
     /// What is not done as it may be meant, a line each.
     pub warnings: Vec<String>,
     watches: Vec<Watch>,
-    tip: Option<Tip>,
-}
-
-/// The tip of a clamped part.
-struct Tip {
-    /// Vertices of the surface, ascending.
-    vertices: Vec<u32>,
-    /// Of the part along z at rest, mm.
-    length: f64,
+    /// Of a clamped solid.
+    ends: Option<EndSets>,
 }
 
 /// The chamber of tetrahedra of one's own.
@@ -94,15 +87,14 @@ impl Shape {
         let setup = scene.setup(scene.load_settings().pressure)?;
         let model = PartModel::new(&mesh, &scene.materials()?, &support, &setup)
             .map_err(|rejected| anyhow!("{rejected}"))?;
-        let watches = watches_of_closed(scene, &mesh)?;
-        let (chamber, warnings, tip) = (None, Vec::new(), None);
-        Ok(Self { surface: mesh.surface, model, chamber, warnings, watches, tip })
+        let watches = watches_of_tip(scene, &mesh.ends)?;
+        let (chamber, warnings, ends) = (None, Vec::new(), None);
+        Ok(Self { surface: mesh.surface, model, chamber, warnings, watches, ends })
     }
 
     /// What is looked at of its tip, where it has one.
     pub(crate) fn watched(&self) -> Option<fitness::Watched<'_>> {
-        let Tip { vertices, length } = self.tip.as_ref()?;
-        Some(fitness::Watched { surface: &self.surface, tip: vertices, length: *length })
+        Some(fitness::Watched::new(&self.surface, self.ends.as_ref()?))
     }
 
     /// Walks the path of the `scene` until `stop` wants its end, or takes its one linear step.
@@ -141,9 +133,10 @@ impl Shape {
     }
 }
 
-/// The watches of a closed part.
-pub(crate) fn watches_of_closed(scene: &SceneFile, mesh: &ShellMesh) -> anyhow::Result<Vec<Watch>> {
-    let watch = |watched| Watch { watched, vertices: mesh.tip.clone(), length: mesh.length };
+/// The watches of a part with a tip.
+pub(crate) fn watches_of_tip(scene: &SceneFile, ends: &EndSets) -> anyhow::Result<Vec<Watch>> {
+    let EndSets { heights, tip, .. } = ends;
+    let watch = |watched| Watch { watched, vertices: tip.clone(), length: heights.length };
     scene.watches.iter().map(|section| section.watched().map(watch)).collect()
 }
 
@@ -153,19 +146,17 @@ fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
     ensure!(!mesh.chamber.is_empty(), NO_CHAMBER);
     let thickness = scene.wall.thickness;
     let (surface, _) = mesh.boundary();
-    let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
-    let Ends { length, clamp_top, .. } = ends;
-    let clamped = mesh.nodes_below(clamp_top);
+    let ends = EndSets::of_solid(mesh, Ends::of_solid(mesh, &scene.wall), &surface);
+    let Ends { length, clamp_top, tip_bottom, .. } = ends.heights;
     ensure!(
-        clamped.len() > 3,
+        ends.clamp.len() > 3,
         "the clamp below z = {clamp_top:.3} mm holds {} nodes, fewer than 4; raise [wall] clamp_height",
-        clamped.len()
+        ends.clamp.len()
     );
-    ensure!(clamp_top < ends.tip_bottom && length > 0.0, holds_the_tip(clamp_top, ends.tip_bottom));
-    let vertices = ends.tip(surface.positions.iter().map(|x| x.z));
+    ensure!(clamp_top < tip_bottom && length > 0.0, holds_the_tip(clamp_top, tip_bottom));
     // Folds are those of middles of walls.
     let setup = PartSetup { folds: None, ..scene.setup(scene.load_settings().pressure)? };
-    let held = SolidMesh::unknowns_of(&clamped);
+    let held = SolidMesh::unknowns_of(&ends.clamp);
     if let Some(motions) = free_motions(&mesh.positions, &held) {
         bail!(
             "the clamp below z = {clamp_top:.3} mm leaves the part free to move: {motions}; see [wall] clamp_height"
@@ -174,12 +165,9 @@ fn of_tetrahedra(scene: &SceneFile, solid: &OwnSolid) -> anyhow::Result<Shape> {
     let material = scene.material.material()?;
     let model = PartModel::of_solid(mesh, thickness, &material, &held.into(), &setup)
         .map_err(|rejected| anyhow!("{rejected}"))?;
-    let watch = |watched| Watch { watched, vertices: vertices.clone(), length };
-    let watches = scene.watches.iter().map(|section| section.watched().map(watch));
-    let watches = watches.collect::<anyhow::Result<_>>()?;
+    let watches = watches_of_tip(scene, &ends)?;
     let chamber = Some(ChamberReport::new(chamber, &model));
-    let tip = Some(Tip { vertices, length });
-    Ok(Shape { surface, model, chamber, warnings: warnings.clone(), watches, tip })
+    Ok(Shape { surface, model, chamber, warnings: warnings.clone(), watches, ends: Some(ends) })
 }
 
 /// What is said of tetrahedra with nothing to inflate.
@@ -253,6 +241,6 @@ fn of_patch(scene: &SceneFile, section: &PatchSection) -> anyhow::Result<Shape> 
             Ok(Watch { watched, vertices, length: 0.0 })
         })
         .collect::<anyhow::Result<_>>()?;
-    let (chamber, warnings, tip) = (None, Vec::new(), None);
-    Ok(Shape { surface: patch.surface, model, chamber, warnings, watches, tip })
+    let (chamber, warnings, ends) = (None, Vec::new(), None);
+    Ok(Shape { surface: patch.surface, model, chamber, warnings, watches, ends })
 }

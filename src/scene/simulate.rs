@@ -17,7 +17,7 @@ use super::results::design_folder::{
 use super::results::path_rows::{LoadKind, ReactionSummary, State, path_table, states};
 use super::results::walk_summary::WalkSummary;
 use super::scene_file::SceneFile;
-use super::shape::watches_of_closed;
+use super::shape::watches_of_tip;
 use super::simulate_shape::{self, ShapeSummary};
 use crate::fitness::{Observation, StageSeconds, observations};
 use crate::io::provenance::Provenance;
@@ -222,7 +222,7 @@ impl Read<'_> {
         write_contact(folder.path(), load, points, states)?;
         if !scene.watches.is_empty() {
             let largest = scene.load_settings().pressure;
-            let watches = watches_of_closed(scene, mesh)?;
+            let watches = watches_of_tip(scene, &mesh.ends)?;
             let curves: Vec<_> =
                 watches.iter().map(|watch| watch.curve(model, points, largest)).collect();
             let names = scene.watches.iter().map(|watch| watch.name.as_str());

@@ -10,7 +10,7 @@ use super::part::PartSource;
 use super::part::on_disk::OnDisk;
 use super::results::walk_summary::check_left_rest;
 use super::scene_file::SceneFile;
-use super::shape::{Measured, Shape, watches_of_closed};
+use super::shape::{Measured, Shape, watches_of_tip};
 use super::watch_curve::WatchCurve;
 use crate::fitness::{Observation, observations};
 use crate::io::toml_file;
@@ -86,7 +86,7 @@ impl Scene {
         let (path, _) = actuator.walk(&self.file, stop, observer)?;
         let Actuator { mesh, model, solid, .. } = actuator;
         let largest = self.file.load_settings().pressure;
-        let watches = watches_of_closed(&self.file, &mesh)?;
+        let watches = watches_of_tip(&self.file, &mesh.ends)?;
         let curves: Vec<_> =
             watches.iter().map(|watch| watch.curve(&model, &path.points, largest)).collect();
         let attempts = solid.iter().flat_map(|solid| &solid.report.attempts);

@@ -3,7 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{EquilibriumSolver, NativeSolver, SolverFailure};
+use super::equilibrium_solver::{EquilibriumSolver, SolverFailure};
+use super::linear_method::LinearMethod;
+use super::native::NativeSolver;
+#[cfg(feature = "petsc")]
+use super::petsc::Snes;
 use crate::model::system::SparsityPattern;
 
 /// Which library finds the equilibria.
@@ -14,20 +18,6 @@ pub enum Backend {
     Native,
     /// PETSc's SNES with MUMPS; one solve at a time in each process.
     Petsc,
-}
-
-/// How linear systems are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum LinearMethod {
-    /// By size: a factorisation while that is the faster.
-    #[default]
-    #[serde(rename = "auto")]
-    Automatic,
-    /// A sparse factorisation, which counts negative pivots.
-    Direct,
-    /// A preconditioned iteration, for solids (systems with multipliers that know their places) by PETSc; all else is factorised.
-    Iterative,
 }
 
 impl Backend {
@@ -64,7 +54,7 @@ impl Backend {
             }),
             Self::Native => Ok(Box::new(NativeSolver::new(pattern)?)),
             #[cfg(feature = "petsc")]
-            Self::Petsc => Ok(Box::new(super::Snes::with_method(pattern, method)?)),
+            Self::Petsc => Ok(Box::new(Snes::with_method(pattern, method)?)),
             #[cfg(not(feature = "petsc"))]
             Self::Petsc => Err(SolverFailure {
                 library: "PETSc",

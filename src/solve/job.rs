@@ -1,10 +1,9 @@
 //! This process among those that `mpirun` started together.
 
-use std::cell::Cell;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::thread;
-
-use super::SolverFailure;
+use super::equilibrium_solver::SolverFailure;
+use super::message::Message;
+#[cfg(feature = "petsc")]
+use super::petsc::{Session, abort_job};
 
 /// The processes that solve one problem together, all of them running the same program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +26,7 @@ impl Job {
         }
         #[cfg(feature = "petsc")]
         {
-            let (rank, ranks) = super::petsc::rank()?;
+            let (rank, ranks) = Session::open()?.rank();
             Ok(Self { rank, ranks })
         }
         #[cfg(not(feature = "petsc"))]
@@ -46,7 +45,7 @@ impl Job {
     pub fn any(self, mine: bool) -> Result<bool, SolverFailure> {
         #[cfg(feature = "petsc")]
         if self.ranks > 1 {
-            return super::petsc::any(mine);
+            return Ok(Session::open()?.any(mine));
         }
         Ok(mine)
     }
@@ -55,7 +54,7 @@ impl Job {
     pub fn abort(self) {
         #[cfg(feature = "petsc")]
         if self.ranks > 1 {
-            super::petsc::abort();
+            abort_job();
         }
     }
 
@@ -66,17 +65,6 @@ impl Job {
     }
 }
 
-/// Bytes that one process tells another.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
-    /// To whom it goes, or from whom it came.
-    pub rank: usize,
-    /// What the bytes are; not negative.
-    pub kind: i32,
-    /// As they were sent.
-    pub bytes: Vec<u8>,
-}
-
 /// Sending and receiving do not block for short messages; those between two processes stay in order.
 impl Job {
     /// Sends a message to another process.
@@ -85,7 +73,7 @@ impl Job {
     /// [`SolverFailure`] when MPI fails.
     pub fn send(self, message: &Message) -> Result<(), SolverFailure> {
         #[cfg(feature = "petsc")]
-        return super::petsc::send(message);
+        return Session::open()?.send(message);
         #[cfg(not(feature = "petsc"))]
         unreachable!("there is no process to send {message:?} to");
     }
@@ -96,33 +84,10 @@ impl Job {
     /// [`SolverFailure`] when MPI fails.
     pub fn receive(self) -> Result<Option<Message>, SolverFailure> {
         #[cfg(feature = "petsc")]
-        return super::petsc::receive();
+        return Session::open()?.receive();
         #[cfg(not(feature = "petsc"))]
         Ok(None)
     }
-}
-
-thread_local! {
-    /// A panic of this thread is caught, and no other process waits for it.
-    static CONFINED: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Runs `body` so that a panic in it ends neither this process nor the others of its job.
-///
-/// # Errors
-/// The panic's payload.
-pub fn confined<Output>(body: impl FnOnce() -> Output) -> thread::Result<Output> {
-    let before = CONFINED.replace(true);
-    // The caller drops what the body has left half done.
-    let outcome = catch_unwind(AssertUnwindSafe(body));
-    CONFINED.set(before);
-    outcome
-}
-
-/// Whether a panic of this thread is caught by [`confined`].
-#[cfg(feature = "petsc")]
-pub(super) fn is_confined() -> bool {
-    CONFINED.get()
 }
 
 /// How many processes there are, in the environment that Open MPI's launcher sets, and in that of MPICH's.

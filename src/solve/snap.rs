@@ -10,25 +10,14 @@
 //! which the mode's largest component is positive. The metric is that of the nodes, whose areas are nearly equal.
 //! Source: pseudo-transient continuation, Kelley & Keyes (1998).
 
-use serde::{Deserialize, Serialize};
-
 use super::damped::Damped;
 use super::ending::Ending;
 use super::hermite::{work_at_once, work_by_conjugate};
-use super::path::PathPoint;
+use super::path::{PathPoint, Snap};
 use super::shift::mean_diagonal;
 use super::vectors::dot;
 use super::walk::{State, Walk};
 use super::{NewtonEnding, NewtonReport, NewtonSettings, SolverFailure};
-
-/// A loss of stability that a path went over, on the way to the point that carries it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Snap {
-    /// Energy given off on the way, mJ.
-    pub released: f64,
-    /// Whether the equilibrium went on, but unstable: a bifurcation, and the part buckled away from it.
-    pub from_bifurcation: bool,
-}
 
 impl Walk<'_> {
     /// Falls from the last point, at `drive`, which its equilibrium does not reach stably, to a stable one.

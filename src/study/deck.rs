@@ -7,7 +7,6 @@ use anyhow::{Context, anyhow, ensure};
 use super::run_folder::RunFolder;
 use crate::evolve::IndividualId;
 use crate::fitness::shell_of_network;
-use crate::mesh::Ends;
 use crate::model::material::Material;
 use crate::scene::deck::{Choices, Subject, compressible, solid};
 use crate::solve::LinearMethod;
@@ -40,7 +39,7 @@ pub(crate) fn of_run(folder: &Path, id: &str, choices: &Choices) -> anyhow::Resu
         chamber: None,
         report: Some(report),
         wall: settings.wall,
-        ends: Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &settings.wall),
+        ends: shell.ends.heights,
         material,
         was_incompressible,
         load: settings.load,

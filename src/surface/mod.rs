@@ -33,4 +33,4 @@ pub use orientation::turned_outward;
 pub use quality::{SurfaceQuality, radius_ratio};
 pub use remesh::{Grading, RemeshSettings, remesh, remesh_graded, remesh_triangles, sharp_edges};
 pub use self_intersection::intersecting_pairs;
-pub use triangle_mesh::TriangleMesh;
+pub use triangle_mesh::{TriangleMesh, over_used_vertices};

@@ -108,16 +108,7 @@ impl TriangleMesh {
             |(triangle, number): (&[u32; 3], u32)| (number == component).then_some(*triangle);
         let triangles: Vec<[u32; 3]> =
             self.triangles.iter().zip(self.components()).filter_map(of_component).collect();
-        let mut is_used = vec![false; self.positions.len()];
-        triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
-        let mut positions = Vec::new();
-        let number = |(&position, &is_used): (&Vec3, &bool)| {
-            positions.extend(is_used.then_some(position));
-            (positions.len() as u32).saturating_sub(1)
-        };
-        let numbers: Vec<u32> = self.positions.iter().zip(&is_used).map(number).collect();
-        let triangles = triangles.into_iter().map(|t| t.map(|v| numbers[v as usize])).collect();
-        Self { positions, triangles }
+        over_used_vertices(&self.positions, &triangles).0
     }
 
     /// The enclosed volume of each connected component, mm^3; negative for a void.
@@ -166,6 +157,21 @@ impl TriangleMesh {
         let [a, b, c] = self.corners(t);
         a.dot(&b.cross(&c)) / 6.0
     }
+}
+
+/// The triangles over those of the vertices at `positions` that they name, both in their order, and the new number of each of these.
+#[must_use]
+pub fn over_used_vertices(positions: &[Vec3], triangles: &[[u32; 3]]) -> (TriangleMesh, Vec<u32>) {
+    let mut is_used = vec![false; positions.len()];
+    triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
+    let mut used = Vec::new();
+    let number = |(&position, &is_used): (&Vec3, &bool)| {
+        used.extend(is_used.then_some(position));
+        (used.len() as u32).saturating_sub(1)
+    };
+    let numbers: Vec<u32> = positions.iter().zip(&is_used).map(number).collect();
+    let triangles = triangles.iter().map(|t| t.map(|v| numbers[v as usize])).collect();
+    (TriangleMesh { positions: used, triangles }, numbers)
 }
 
 #[cfg(test)]

@@ -122,7 +122,7 @@ pub fn run(
 fn misses(cases: &[Case], known: &[String]) -> Vec<String> {
     let of_case = |case: &Case| {
         let told = |accept: &Accepted| {
-            let run = run_name(case.name, element_name(accept.element));
+            let run = run_name(case.name, accept.element.name());
             let miss = accept.miss.as_ref().filter(|_| known.contains(&run))?;
             Some(format!("{run}: {}", miss.why))
         };
@@ -202,7 +202,7 @@ fn run_case(
             let verdict = if counts { verdict(accept, run.error) } else { "" };
             let common = |compared: &Compared| Row {
                 case: case.name,
-                element: element_name(accept.element),
+                element: accept.element.name(),
                 mesh: mesh.to_string(),
                 unknowns: run.unknowns,
                 cpu_seconds: run.cpu_seconds,
@@ -223,11 +223,7 @@ fn run_case(
             runs.push(run);
         }
         let accepted = Some(accept.error);
-        curves.push(ErrorCurve {
-            element: element_name(accept.element).to_owned(),
-            runs,
-            accepted,
-        });
+        curves.push(ErrorCurve { element: accept.element.name().to_owned(), runs, accepted });
     }
     Ok(curves)
 }
@@ -273,13 +269,6 @@ fn iterations(measured: &Measured) -> usize {
 const OK: &str = "ok";
 const KNOWN_MISS: &str = "known miss";
 const TOO_FAR: &str = "too far";
-
-fn element_name(element: ShellElement) -> &'static str {
-    match element {
-        ShellElement::Loop => "loop",
-        ShellElement::MidEdge => "mid-edge",
-    }
-}
 
 fn heading() -> String {
     format!(

@@ -20,7 +20,6 @@ use super::stability_case::{FOLDER, REFUSED, REJECTED, StabilityCase, Variant, c
 use crate::batch::{Executor, Next, Serial};
 use crate::io::{OutputFolder, csv};
 use crate::math::cpu_seconds;
-use crate::mesh::ShellElement;
 use crate::scene::checks::check_solver;
 use crate::scene::scene_file::SceneFile;
 use crate::scene::shape::{Measured, Shape};
@@ -246,7 +245,7 @@ fn judged(case: &StabilityCase, variant: Variant, solver: Backend, ran: &Ran) ->
     let mut row = Row {
         case: case.name,
         solver: solver_name(solver),
-        element: element_name(variant.element),
+        element: variant.element.name(),
         mesh: variant.mesh.map_or_else(String::new, |mesh| mesh.to_string()),
         expected: verify.endings.join("|"),
         ending: ran.ending.clone(),
@@ -403,13 +402,6 @@ fn solver_name(solver: Backend) -> &'static str {
     match solver {
         Backend::Native => "native",
         Backend::Petsc => "petsc",
-    }
-}
-
-fn element_name(element: ShellElement) -> &'static str {
-    match element {
-        ShellElement::Loop => "loop",
-        ShellElement::MidEdge => "mid-edge",
     }
 }
 

@@ -128,8 +128,7 @@ fn clamp_bears_what_the_plane_takes() {
     free.set_load(PRESSURE);
     let mut residual = vec![0.0; u.len()];
     free.residual(u, &mut residual).unwrap();
-    let held: std::collections::BTreeSet<u32> =
-        mesh.clamp.iter().flat_map(|&v| mesh.rings.ring(v).iter().copied().chain([v])).collect();
+    let held = mesh.held_vertices();
     let reaction: Vec3 =
         held.iter().map(|&v| Vec3::from_fn(|axis, _| residual[3 * v as usize + axis])).sum();
     let size = plane.force.norm();

@@ -39,7 +39,8 @@ fn actuator(edge: f64, law: Rubber, bulk_modulus: f64) -> (ShellMesh, PartModel)
 
 fn tip(mesh: &ShellMesh, model: &PartModel, u: &[f64]) -> Vec3 {
     let displacements = model.vertex_displacements(u);
-    mesh.tip.iter().map(|&v| displacements[v as usize]).sum::<Vec3>() / mesh.tip.len() as f64
+    let tip = &mesh.ends.tip;
+    tip.iter().map(|&v| displacements[v as usize]).sum::<Vec3>() / tip.len() as f64
 }
 
 /// Within 4 %: the solid's tip moves 1.7 % further than with a quarter as many elements, and the edge of the clamp, which

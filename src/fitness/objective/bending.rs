@@ -31,7 +31,7 @@ pub(super) const OBJECTIVE: Objective = Objective {
 };
 
 fn samples<'a>(reading: &Reading<'a>) -> Samples<'a> {
-    let length = reading.part.shell().length;
+    let length = reading.part.shell().ends.heights.length;
     samples_of(reading.rows(&free::SCENARIO), length, reading.settings.exponent)
 }
 

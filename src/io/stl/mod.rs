@@ -13,7 +13,7 @@ use std::path::Path;
 
 use super::{InputError, OutputError, atomic, input, part_file};
 use crate::math::Vec3;
-use crate::surface::TriangleMesh;
+use crate::surface::{TriangleMesh, over_used_vertices};
 
 /// The tolerance that joins what 32-bit rounding separated (1e-7 of a coordinate) and nothing a mesher made
 /// (edges of 1e-3 of the part and longer).
@@ -142,8 +142,9 @@ fn welded(corners: &[[Vec3; 3]], weld: f64) -> TriangleMesh {
     let high = all().fold(Vec3::repeat(f64::NEG_INFINITY), |high, v| high.sup(v));
     let mut vertices = WeldedVertices::new(low, weld * (high - low).norm());
     let triangles = corners.iter().map(|triangle| triangle.map(|corner| vertices.index(corner)));
-    let triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    without_unused(TriangleMesh { triangles, positions: vertices.positions })
+    let triangles: Vec<_> = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    // Some vertices only degenerate triangles had.
+    over_used_vertices(&vertices.positions, &triangles).0
 }
 
 /// Vertices no two of which are within `tolerance`, found through a grid of that spacing.
@@ -188,26 +189,6 @@ impl WeldedVertices {
             // Adding zero makes the two zeros one.
             corner.map(|x| (x + 0.0).to_bits() as i64).into()
         }
-    }
-}
-
-/// The mesh without the vertices that only degenerate triangles had.
-fn without_unused(mesh: TriangleMesh) -> TriangleMesh {
-    let mut used = vec![false; mesh.positions.len()];
-    mesh.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    let mut count = 0;
-    let renumbered: Vec<u32> = used
-        .iter()
-        .map(|&used| {
-            let number = count;
-            count += u32::from(used);
-            number
-        })
-        .collect();
-    let kept = mesh.positions.into_iter().zip(used).filter(|(_, used)| *used);
-    TriangleMesh {
-        positions: kept.map(|(position, _)| position).collect(),
-        triangles: mesh.triangles.iter().map(|t| t.map(|v| renumbered[v as usize])).collect(),
     }
 }
 

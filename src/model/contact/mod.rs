@@ -2,6 +2,7 @@
 
 mod friction;
 mod plane;
+mod plane_terms;
 mod planes;
 pub(super) mod self_contact;
 #[cfg(test)]
@@ -10,6 +11,6 @@ mod tests;
 pub use friction::Friction;
 pub(in crate::model) use plane::Samples;
 pub use plane::{PlaneContact, PlaneSettings};
+pub(in crate::model) use plane_terms::PlaneTerms;
 pub use planes::PlaneState;
-pub(in crate::model) use planes::PlaneTerms;
 pub use self_contact::SelfContactSettings;

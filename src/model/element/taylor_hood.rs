@@ -19,7 +19,7 @@
 
 use nalgebra::Matrix3;
 
-use crate::math::{Reason, Rejected, Room, Vec3};
+use crate::math::{Reason, Rejected, Room, Vec3, cofactor};
 use crate::mesh::{SolidMesh, TET_EDGES, quadratic_shapes, quadratic_slopes};
 use crate::model::local::{LocalDerivatives, Term};
 use crate::model::material::SolidLaw;
@@ -223,12 +223,6 @@ fn stencil(nodes: &[u32; NODES], first_pressure: u32) -> (Vec<u32>, Cell) {
 fn admissible(f: &Matrix3<f64>) -> Result<f64, Inadmissible> {
     let j = f.determinant();
     if j > 0.0 { Ok(j) } else { Err(Inadmissible("a cell is turned inside out")) }
-}
-
-/// `J F^-T`.
-fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
-    let [a, b, c] = [0, 1, 2].map(|k| f.column(k).into_owned());
-    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }
 
 impl Term for TaylorHood {

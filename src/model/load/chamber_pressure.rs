@@ -25,7 +25,7 @@ use crate::model::system::Inadmissible;
 
 /// The potential of a uniform pressure inside the mid-surface.
 #[derive(Clone, Debug)]
-pub struct ChamberPressure {
+pub(in crate::model) struct ChamberPressure {
     /// Pressure, MPa; positive inflates.
     pub pressure: f64,
     /// At a load of 1, MPa.
@@ -43,7 +43,7 @@ pub struct ChamberPressure {
 
 /// The facets between the edge of an element that lies in a plane of symmetry and a point of that plane.
 #[derive(Clone, Debug)]
-pub struct Fan {
+pub(in crate::model) struct Fan {
     /// The element whose edge it is.
     pub points: ElementPoints,
     /// The element's points along the edge, in the order of its triangle: one end, the middle, the other end.
@@ -55,13 +55,13 @@ pub struct Fan {
 impl ChamberPressure {
     /// The chamber within the triangles of `points`, at zero pressure.
     #[must_use]
-    pub fn new(points: &[ElementPoints]) -> Self {
+    pub(in crate::model) fn new(points: &[ElementPoints]) -> Self {
         Self::cut(points, Vec::new(), Vec3::zeros())
     }
 
     /// The chamber within the triangles of `points`, closed by `fans`, which miss only the planes through `origin`.
     #[must_use]
-    pub fn cut(points: &[ElementPoints], fans: Vec<Fan>, origin: Vec3) -> Self {
+    pub(in crate::model) fn cut(points: &[ElementPoints], fans: Vec<Fan>, origin: Vec3) -> Self {
         let all = || points.iter().chain(fans.iter().map(|fan| &fan.points));
         Self {
             pressure: 0.0,
@@ -79,7 +79,7 @@ impl ChamberPressure {
     /// # Panics
     /// When volumes are measured from elsewhere than the origin of the places.
     #[must_use]
-    pub fn with_lids(mut self, lids: Vec<LidFan>) -> Self {
+    pub(in crate::model) fn with_lids(mut self, lids: Vec<LidFan>) -> Self {
         assert_eq!(self.origin, Vec3::zeros());
         self.stencils.extend(lids.iter().map(|lid| lid.nodes.clone()));
         self.limits.extend(lids.iter().map(|_| Vec::new()));
@@ -89,7 +89,7 @@ impl ChamberPressure {
 
     /// The same chamber, whose pressure is `whole` (MPa) at a load of 1; otherwise it is the load.
     #[must_use]
-    pub fn under(self, whole: f64) -> Self {
+    pub(in crate::model) fn under(self, whole: f64) -> Self {
         Self { whole_pressure: whole, ..self }
     }
 
@@ -159,7 +159,7 @@ impl ChamberPressure {
 
     /// The enclosed volume for control points at `positions`, mm^3.
     #[must_use]
-    pub fn volume(&self, positions: &[Vec3]) -> f64 {
+    pub(in crate::model) fn volume(&self, positions: &[Vec3]) -> f64 {
         let stencil_volume = |(s, (stencil, limits)): (usize, (&Vec<u32>, &Vec<[f64; 6]>))| {
             if let Some(lid) = self.lid(s) {
                 return lid.volume(&places(stencil, positions));
@@ -171,7 +171,7 @@ impl ChamberPressure {
     }
 
     /// Adds `dV/dx` to `gradient`, one vector for each control point, mm^2.
-    pub fn add_volume_gradient(&self, positions: &[Vec3], gradient: &mut [Vec3]) {
+    pub(in crate::model) fn add_volume_gradient(&self, positions: &[Vec3], gradient: &mut [Vec3]) {
         for (s, (stencil, limits)) in self.stencils.iter().zip(&self.limits).enumerate() {
             if let Some(lid) = self.lid(s) {
                 let by_node = lid.gradient(&places(stencil, positions));

@@ -7,7 +7,7 @@ use crate::model::tie::Ties;
 
 /// Dead forces on nodes, as a term without stencils: they are linear in the unknowns.
 #[derive(Clone, Debug)]
-pub struct DeadForces {
+pub(in crate::model) struct DeadForces {
     /// Share of them that is applied.
     pub load_factor: f64,
     /// Whether they grow with the load; a weight is there from the start.
@@ -35,13 +35,13 @@ impl DeadForces {
 
     /// Whether they grow with the load.
     #[must_use]
-    pub fn is_load(&self) -> bool {
+    pub(in crate::model) fn is_load(&self) -> bool {
         self.is_load
     }
 
     /// The whole forces on the unknowns of each node, N.
     #[must_use]
-    pub fn on_unknowns(&self) -> &[Vec3] {
+    pub(in crate::model) fn on_unknowns(&self) -> &[Vec3] {
         &self.on_unknowns
     }
 
@@ -53,7 +53,7 @@ impl DeadForces {
 
     /// The whole forces on each displaced node, N.
     #[must_use]
-    pub fn on_nodes(&self) -> &[Vec3] {
+    pub(in crate::model) fn on_nodes(&self) -> &[Vec3] {
         &self.on_nodes
     }
 
@@ -78,10 +78,6 @@ impl PartTerm for DeadForces {
 
     fn whole_energy(&self, at: &Configuration<'_>) -> Option<f64> {
         Some(-self.load_factor * self.work(at.unknowns))
-    }
-
-    fn dead_forces(&self) -> Option<&DeadForces> {
-        Some(self)
     }
 
     fn conjugate(&self, at: &Configuration<'_>) -> f64 {

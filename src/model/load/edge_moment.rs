@@ -20,7 +20,7 @@ use crate::model::system::Inadmissible;
 
 /// The potential of moments along edges.
 #[derive(Clone, Debug)]
-pub struct EdgeMoment {
+pub(in crate::model) struct EdgeMoment {
     /// Share of the moment that is applied.
     pub load_factor: f64,
     stencils: Vec<Vec<u32>>,
@@ -29,7 +29,7 @@ pub struct EdgeMoment {
 
 /// One edge of a triangle that carries a moment.
 #[derive(Clone, Debug)]
-pub struct MomentEdge {
+pub(in crate::model) struct MomentEdge {
     /// `[,1 ,2]` of each node at the edge's middle, the nodes ascending.
     pub rows: Vec<[f64; 2]>,
     /// Moment on the edge, N mm.
@@ -45,13 +45,13 @@ pub struct MomentEdge {
 impl EdgeMoment {
     /// The moments on `edges`, whose nodes are `stencils`.
     #[must_use]
-    pub fn new(stencils: Vec<Vec<u32>>, edges: Vec<MomentEdge>) -> Self {
+    pub(in crate::model) fn new(stencils: Vec<Vec<u32>>, edges: Vec<MomentEdge>) -> Self {
         Self { load_factor: 0.0, stencils, edges }
     }
 
     /// The work that the whole moment has done where all nodes are at `positions`, mJ.
     #[must_use]
-    pub fn work(&self, positions: &[Vec3]) -> f64 {
+    pub(in crate::model) fn work(&self, positions: &[Vec3]) -> f64 {
         let on_edge = |(edge, stencil): (&MomentEdge, &Vec<u32>)| {
             edge.moment * edge.turn(&edge.tangents(stencil.iter().map(|&v| &positions[v as usize])))
         };
@@ -59,7 +59,7 @@ impl EdgeMoment {
     }
 
     /// Adds the gradient of [`Self::work`] to `gradient`, one vector for each node, N.
-    pub fn add_work_gradient(&self, positions: &[Vec3], gradient: &mut [Vec3]) {
+    pub(in crate::model) fn add_work_gradient(&self, positions: &[Vec3], gradient: &mut [Vec3]) {
         for (edge, stencil) in self.edges.iter().zip(&self.stencils) {
             let tangents = edge.tangents(stencil.iter().map(|&v| &positions[v as usize]));
             let [along_1, along_2] = edge.turn_gradient(&tangents);
@@ -70,7 +70,7 @@ impl EdgeMoment {
     }
 
     /// Counts turns from where all nodes are at `positions` (mm).
-    pub fn count_from(&mut self, positions: &[Vec3]) {
+    pub(in crate::model) fn count_from(&mut self, positions: &[Vec3]) {
         for (edge, stencil) in self.edges.iter_mut().zip(&self.stencils) {
             let tangents = edge.tangents(stencil.iter().map(|&v| &positions[v as usize]));
             edge.settled = edge.turn(&tangents);

@@ -48,7 +48,7 @@ pub enum FollowerForce {
 
 /// Forces without a potential on small stencils, as a term without energy.
 #[derive(Clone, Debug)]
-pub struct FollowerLoads {
+pub(in crate::model) struct FollowerLoads {
     /// Share of the loads that is applied.
     pub load_factor: f64,
     stencils: Vec<Vec<u32>>,
@@ -57,7 +57,7 @@ pub struct FollowerLoads {
 
 /// The forces on one stencil.
 #[derive(Clone, Debug)]
-pub enum Follower {
+pub(in crate::model) enum Follower {
     /// A force that keeps its angle to the wall.
     Carried(CarriedForce),
     /// An edge of the rim of a surface under pressure.
@@ -66,7 +66,7 @@ pub enum Follower {
 
 /// A force that keeps its angle to the wall.
 #[derive(Clone, Debug)]
-pub struct CarriedForce {
+pub(in crate::model) struct CarriedForce {
     /// Of each node of the stencil: its share of the force, and its weights on the tangents `d1` and `d2`.
     rows: Vec<[f64; 3]>,
     /// Along `t`, `n` and `t x n`, N.
@@ -75,7 +75,7 @@ pub struct CarriedForce {
 
 /// An edge of the rim of a surface under pressure.
 #[derive(Clone, Debug)]
-pub struct OpenEdge {
+pub(in crate::model) struct OpenEdge {
     /// Of each node of the stencil: its weights on the edge's start, middle and end, in the sense of its element.
     pub rows: Vec<[f64; 3]>,
     /// MPa.
@@ -92,13 +92,13 @@ impl FollowerLoads {
     /// # Panics
     /// When there are not as many of both.
     #[must_use]
-    pub fn new(stencils: Vec<Vec<u32>>, followers: Vec<Follower>) -> Self {
+    pub(in crate::model) fn new(stencils: Vec<Vec<u32>>, followers: Vec<Follower>) -> Self {
         assert_eq!(stencils.len(), followers.len());
         Self { load_factor: 0.0, stencils, followers }
     }
 
     /// Adds the whole loads to `forces`, one vector for each node, where all nodes are at `positions`, N.
-    pub fn add_forces(&self, positions: &[Vec3], forces: &mut [Vec3]) {
+    pub(in crate::model) fn add_forces(&self, positions: &[Vec3], forces: &mut [Vec3]) {
         for (stencil, follower) in self.stencils.iter().zip(&self.followers) {
             for (&node, force) in stencil.iter().zip(follower.forces(&at(stencil, positions))) {
                 forces[node as usize] += force;
@@ -107,7 +107,12 @@ impl FollowerLoads {
     }
 
     /// Adds to `out` the skew part of the derivative of the applied loads, with the sign of the residual, times `v`, N.
-    pub fn add_skew_stiffness(&self, positions: &[Vec3], v: &[Vec3], out: &mut [Vec3]) {
+    pub(in crate::model) fn add_skew_stiffness(
+        &self,
+        positions: &[Vec3],
+        v: &[Vec3],
+        out: &mut [Vec3],
+    ) {
         for (stencil, follower) in self.stencils.iter().zip(&self.followers) {
             let stiffness = follower.stiffness(&at(stencil, positions));
             for (i, &row) in stencil.iter().enumerate() {
@@ -256,7 +261,7 @@ impl CarriedForce {
     /// The force that is `force` where the stencil's nodes are at `reference`; `rows` are each node's share of it and its
     /// weights on two tangents of the wall, of which the first is carried along.
     #[must_use]
-    pub fn new(rows: Vec<[f64; 3]>, force: Vec3, reference: &[Vec3]) -> Self {
+    pub(in crate::model) fn new(rows: Vec<[f64; 3]>, force: Vec3, reference: &[Vec3]) -> Self {
         let mut carried = Self { rows, components: Vec3::zeros() };
         let Frame { t, n, .. } = Frame::new(carried.tangents(reference));
         carried.components = Vec3::new(force.dot(&t), force.dot(&n), force.dot(&t.cross(&n)));

@@ -14,7 +14,7 @@ use crate::math::Vec3;
 
 /// A lid within its rim.
 #[derive(Clone, Debug)]
-pub struct LidFan {
+pub(in crate::model) struct LidFan {
     /// Nodes of the rim, ascending.
     pub(super) nodes: Vec<u32>,
     /// Of each node in [`Self::nodes`], its weight in the middle.
@@ -29,7 +29,7 @@ impl LidFan {
     /// # Panics
     /// When the rim has not as many midpoints as corners.
     #[must_use]
-    pub fn new(rim: &[u32], positions: &[Vec3]) -> Self {
+    pub(in crate::model) fn new(rim: &[u32], positions: &[Vec3]) -> Self {
         assert!(rim.len().is_multiple_of(2), "corners and midpoints");
         let mut nodes = rim.to_vec();
         nodes.sort_unstable();

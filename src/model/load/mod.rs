@@ -7,10 +7,11 @@ mod edge_moment;
 mod follower;
 mod lid;
 
-pub use chamber_pressure::{ChamberPressure, Fan};
-pub use dead_forces::DeadForces;
+pub(in crate::model) use chamber_pressure::{ChamberPressure, Fan};
+pub(in crate::model) use dead_forces::DeadForces;
 pub use dead_load::DeadLoad;
 pub(in crate::model) use dead_load::Loaded;
-pub use edge_moment::{EdgeMoment, MomentEdge};
-pub use follower::{CarriedForce, Follower, FollowerForce, FollowerLoads, OpenEdge};
-pub use lid::LidFan;
+pub(in crate::model) use edge_moment::{EdgeMoment, MomentEdge};
+pub use follower::FollowerForce;
+pub(in crate::model) use follower::{CarriedForce, Follower, FollowerLoads, OpenEdge};
+pub(in crate::model) use lid::LidFan;

@@ -13,8 +13,10 @@
 //!
 //! Source: Flory (1961), the split; Simo & Hughes (1998), its energy of the volume.
 
-use super::rubber::IncompressibleLaw;
-use super::{OfInvariants, Ogden, Rubber};
+use super::incompressible_law::IncompressibleLaw;
+use super::of_invariants::OfInvariants;
+use super::ogden::Ogden;
+use super::rubber::Rubber;
 
 /// An incompressible law's resistance to a change of shape, and a resistance to a change of volume.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,8 @@
 //! The keys of a law in a run or scene file: which there are, what they hold, and the lines that say what is wrong with them.
 
-use std::sync::LazyLock;
-
 use serde::Serialize;
 
-use super::rubber::BULK_MODULUS;
-use super::{LAWS, Material, OgdenTerm};
+use super::ogden_term::OgdenTerm;
 
 /// A key of `[material]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,32 +59,11 @@ impl KeyValue {
     }
 }
 
-/// Each law that a file can name, with what it wants, in words.
-#[must_use]
-pub fn laws_in_words() -> Vec<(&'static str, &'static str)> {
-    LAWS.iter().map(|law| (law.name, law.wants)).collect()
-}
-
 /// Young's modulus at rest.
 pub(super) const YOUNG_MODULUS: Key = Key::number("young_modulus", "Young's modulus at rest, MPa");
 
 /// Poisson's ratio at rest.
 pub(super) const POISSON_RATIO: Key = Key::number("poisson_ratio", "Poisson's ratio at rest");
-
-/// Every key that some law has, in the order of the laws.
-#[must_use]
-pub fn keys() -> &'static [Key] {
-    static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
-        let mut keys: Vec<Key> = Vec::new();
-        for key in LAWS.iter().flat_map(|law| law.keys).chain([&BULK_MODULUS]) {
-            if !keys.iter().any(|known| known.name == key.name) {
-                keys.push(*key);
-            }
-        }
-        keys
-    });
-    &KEYS
-}
 
 /// A material that cannot be; one line says why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -100,36 +76,14 @@ impl From<String> for InvalidMaterial {
     }
 }
 
-/// A law as files name it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FileLaw {
-    pub(super) name: &'static str,
-    pub(super) keys: &'static [Key],
-    /// What it wants, in words.
-    pub(super) wants: &'static str,
-    pub(super) material: fn(&LawKeys<'_>) -> Result<Material, InvalidMaterial>,
-}
-
 /// The numbers that a file gives for a law.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LawKeys<'a> {
-    law: &'a FileLaw,
-    given: &'a [(&'static str, KeyValue)],
-}
-
-impl Material {
-    /// The law of this name with the values `given` for its keys, each key once.
-    ///
-    /// # Errors
-    /// [`InvalidMaterial`] when there is no such law, when a key is missing or surplus, or a value is no law's.
-    pub fn named(name: &str, given: &[(&'static str, KeyValue)]) -> Result<Self, InvalidMaterial> {
-        let Some(law) = LAWS.iter().find(|law| law.name == name) else {
-            let names: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
-            let names = names.join(", ");
-            return Err(format!("[material] has no law `{name}`; it has {names}").into());
-        };
-        (law.material)(&LawKeys { law, given })
-    }
+    /// The law's name.
+    pub(super) law: &'static str,
+    /// What it wants, in words.
+    pub(super) wants: &'static str,
+    pub(super) given: &'a [(&'static str, KeyValue)],
 }
 
 impl LawKeys<'_> {
@@ -137,8 +91,8 @@ impl LawKeys<'_> {
     pub(super) fn allow(&self, keys: &[&str]) -> Result<(), InvalidMaterial> {
         let surplus = self.given.iter().find(|(key, _)| !keys.contains(key));
         surplus.map_or(Ok(()), |(key, _)| {
-            let FileLaw { name, wants, .. } = self.law;
-            Err(format!("[material] {name} takes no `{key}` here; it wants {wants}").into())
+            let Self { law, wants, .. } = self;
+            Err(format!("[material] {law} takes no `{key}` here; it wants {wants}").into())
         })
     }
 
@@ -185,8 +139,8 @@ impl LawKeys<'_> {
     ) -> Result<T, InvalidMaterial> {
         let value = self.given.iter().find(|(given, _)| *given == key);
         value.and_then(|(_, value)| of_kind(value)).ok_or_else(|| {
-            let FileLaw { name, wants, .. } = self.law;
-            format!("[material] {name} has no `{key}`; it wants {wants}").into()
+            let Self { law, wants, .. } = self;
+            format!("[material] {law} has no `{key}`; it wants {wants}").into()
         })
     }
 }

@@ -8,10 +8,10 @@
 
 use nalgebra::Matrix3;
 
-use super::OfInvariants;
+use super::incompressible_law::IncompressibleLaw;
 use super::keys::{InvalidMaterial, Key, LawKeys, positive};
-use super::neo_hookean::first_invariant;
-use super::rubber::{IncompressibleLaw, NamedLaw};
+use super::named_law::NamedLaw;
+use super::of_invariants::{OfInvariants, first_invariant};
 use super::solid::{SolidResponse, of_invariants};
 
 /// Incompressible Mooney-Rivlin rubber; its shear modulus at rest is `2 (c1 + c2)`.

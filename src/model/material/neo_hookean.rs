@@ -6,10 +6,11 @@
 
 use nalgebra::Matrix3;
 
+use super::incompressible_law::IncompressibleLaw;
 use super::keys::{InvalidMaterial, Key, LawKeys, POISSON_RATIO, YOUNG_MODULUS};
-use super::rubber::{IncompressibleLaw, NamedLaw, with_bulk_modulus};
+use super::named_law::{NamedLaw, bulk_modulus};
+use super::of_invariants::{OfInvariants, first_invariant};
 use super::solid::{SolidResponse, of_invariants};
-use super::{Compressible, Material, OfInvariants};
 
 /// Incompressible neo-Hookean rubber. Source: Treloar (1943).
 #[derive(Clone, Debug, PartialEq)]
@@ -31,19 +32,20 @@ impl NamedLaw for NeoHookean {
     }
 
     /// By its shear modulus, or by both moduli of Hooke's law at rest.
-    fn material(keys: &LawKeys<'_>) -> Result<Material, InvalidMaterial> {
+    fn read_with_bulk_modulus(keys: &LawKeys<'_>) -> Result<(Self, Option<f64>), InvalidMaterial> {
         if keys.has("mu") || !keys.has("young_modulus") {
-            return with_bulk_modulus(Self::read(keys)?.into(), keys);
+            let law = Self::read(keys)?;
+            let bulk_modulus = bulk_modulus(&law, keys)?;
+            return Ok((law, bulk_modulus));
         }
         keys.allow(&["young_modulus", "poisson_ratio"])?;
         let young_modulus = keys.positive("young_modulus")?;
         let poisson_ratio = keys.within("poisson_ratio", 0.0, 0.5)?;
         let law = Self { mu: 0.5 * young_modulus / (1.0 + poisson_ratio) };
-        if poisson_ratio == 0.5 {
-            return Ok(Material::NeoHookean(law));
-        }
-        let bulk_modulus = young_modulus / (3.0 * (1.0 - 2.0 * poisson_ratio));
-        Ok(Material::Compressible(Compressible { law: law.into(), bulk_modulus }))
+        let is_compressible = poisson_ratio != 0.5;
+        let bulk_modulus =
+            is_compressible.then(|| young_modulus / (3.0 * (1.0 - 2.0 * poisson_ratio)));
+        Ok((law, bulk_modulus))
     }
 }
 
@@ -77,22 +79,12 @@ impl IncompressibleLaw for NeoHookean {
     }
 }
 
-/// The two parts of `I1`, each with its own factor: `a T + b / J`.
-#[inline]
-pub(super) fn first_invariant(t: f64, j: f64, [a, b]: [f64; 2]) -> OfInvariants {
-    let third = b / j;
-    OfInvariants {
-        value: a * t + third,
-        first: [a, -third / j],
-        second: [0.0, 0.0, 2.0 * third / (j * j)],
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use num_dual::DualNum;
 
     use super::*;
+    use crate::model::material::Material;
     use crate::model::material::test_laws::{Example, check_nominal_stresses, power_sum};
 
     impl Example for NeoHookean {

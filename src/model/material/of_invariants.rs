@@ -33,6 +33,17 @@ impl OfInvariants {
     }
 }
 
+/// The two parts of `I1`, each with its own factor: `a T + b / J`.
+#[inline]
+pub(super) fn first_invariant(t: f64, j: f64, [a, b]: [f64; 2]) -> OfInvariants {
+    let third = b / j;
+    OfInvariants {
+        value: a * t + third,
+        first: [a, -third / j],
+        second: [0.0, 0.0, 2.0 * third / (j * j)],
+    }
+}
+
 impl Add for OfInvariants {
     type Output = Self;
 

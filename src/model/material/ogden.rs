@@ -12,11 +12,12 @@
 //! Source: Ogden (1972).
 
 use nalgebra::Matrix3;
-use serde::{Deserialize, Serialize};
 
-use super::OfInvariants;
+use super::incompressible_law::IncompressibleLaw;
 use super::keys::{InvalidMaterial, Key, KeyKind, LawKeys, positive};
-use super::rubber::{IncompressibleLaw, NamedLaw};
+use super::named_law::NamedLaw;
+use super::of_invariants::OfInvariants;
+use super::ogden_term::OgdenTerm;
 use super::solid::{SolidResponse, of_stretches};
 
 /// Measured laws have exponents up to some 25; far beyond, the powers of the stretches overflow.
@@ -27,16 +28,6 @@ const LARGEST_EXPONENT: f64 = 100.0;
 const SERIES_LIMIT: f64 = 0.1;
 const STEEP: f64 = 4.5;
 const SERIES_TERMS: usize = 14;
-
-/// One term of the Ogden law.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OgdenTerm {
-    /// Contribution to the shear modulus at rest, MPa.
-    pub mu: f64,
-    /// Exponent.
-    pub alpha: f64,
-}
 
 /// Incompressible Ogden rubber with any number of terms.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,8 +14,8 @@
 //!
 //! Source: Koiter (1966), On the nonlinear theory of thin elastic shells.
 
-use super::keys::{FileLaw, InvalidMaterial, LawKeys, POISSON_RATIO, YOUNG_MODULUS};
-use super::{Material, OfInvariants};
+use super::keys::{InvalidMaterial, Key, LawKeys, POISSON_RATIO, YOUNG_MODULUS};
+use super::of_invariants::OfInvariants;
 
 /// A linear elastic wall at small strains and large rotations.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,22 +26,23 @@ pub struct StVenantKirchhoff {
     pub poisson_ratio: f64,
 }
 
-/// How files name it.
-pub(super) const FILE_LAW: FileLaw = FileLaw {
-    name: "st-venant-kirchhoff",
-    keys: &[YOUNG_MODULUS, POISSON_RATIO],
-    wants: "`young_modulus` and `poisson_ratio`",
-    material,
-};
-
-fn material(keys: &LawKeys<'_>) -> Result<Material, InvalidMaterial> {
-    keys.allow(&["young_modulus", "poisson_ratio"])?;
-    let young_modulus = keys.positive("young_modulus")?;
-    let poisson_ratio = keys.within("poisson_ratio", -0.99, 0.5)?;
-    Ok(Material::StVenantKirchhoff(StVenantKirchhoff { young_modulus, poisson_ratio }))
-}
+/// Its name in files, its keys there, and what it wants, in words.
+pub(super) const NAME: &str = "st-venant-kirchhoff";
+pub(super) const KEYS: &[Key] = &[YOUNG_MODULUS, POISSON_RATIO];
+pub(super) const WANTS: &str = "`young_modulus` and `poisson_ratio`";
 
 impl StVenantKirchhoff {
+    /// The law with the numbers of a file.
+    ///
+    /// # Errors
+    /// [`InvalidMaterial`] when a number is missing or surplus, or can be none of this law.
+    pub(super) fn read(keys: &LawKeys<'_>) -> Result<Self, InvalidMaterial> {
+        keys.allow(&["young_modulus", "poisson_ratio"])?;
+        let young_modulus = keys.positive("young_modulus")?;
+        let poisson_ratio = keys.within("poisson_ratio", -0.99, 0.5)?;
+        Ok(Self { young_modulus, poisson_ratio })
+    }
+
     #[inline]
     pub(super) fn density(&self, t: f64, j: f64) -> OfInvariants {
         let factor = self.factor();
@@ -75,6 +76,7 @@ mod tests {
     use approx::assert_relative_eq;
 
     use super::*;
+    use crate::model::material::Material;
     use crate::model::material::test_laws::nominal_stress;
 
     /// Second Piola-Kirchhoff stresses are linear in `(l^2 - 1) / 2`, and a nominal stress is `l` times those.

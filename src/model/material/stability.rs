@@ -6,8 +6,9 @@
 //!
 //! Source: Drucker (1959); the modes are those that Abaqus checks.
 
-use super::rubber::IncompressibleLaw;
-use super::{Material, OfInvariants};
+use super::incompressible_law::IncompressibleLaw;
+use super::material::Material;
+use super::of_invariants::OfInvariants;
 
 /// A homogeneous deformation of a sheet, led by one stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

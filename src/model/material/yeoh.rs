@@ -6,8 +6,9 @@
 //!
 //! Source: Yeoh (1993).
 
+use super::incompressible_law::FirstInvariantLaw;
 use super::keys::{InvalidMaterial, Key, KeyKind, LawKeys, coefficient, positive};
-use super::rubber::{FirstInvariantLaw, NamedLaw};
+use super::named_law::NamedLaw;
 
 /// Incompressible Yeoh rubber; its shear modulus at rest is twice the first coefficient.
 #[derive(Clone, Debug, PartialEq)]

@@ -35,7 +35,7 @@ use crate::io::{
     ChamberFound, LawWithCard, OutputFolder, OwnSolid, SolidCase, atomic, calculix, csv, febio, msh,
 };
 use crate::math::Vec3;
-use crate::mesh::{Ends, ShellMesh, ShellSettings, SolidMesh};
+use crate::mesh::{EndSets, Ends, ShellMesh, ShellSettings, SolidMesh};
 use crate::model::material::{Compressible, Material};
 use crate::model::system::System;
 use crate::model::{PartModel, PartSetup, Support};
@@ -221,7 +221,7 @@ pub(crate) fn of_scene(
                 observer.warning(&format!("{}: {warning}", file.display()));
             });
             chamber = Some(found);
-            let ends = Ends::of_faces(mesh.positions.iter().map(|x| x.z), &scene.wall);
+            let ends = Ends::of_solid(&mesh, &scene.wall);
             (mesh, None, ends)
         }
         source if source.is_actuator() => {
@@ -233,8 +233,7 @@ pub(crate) fn of_scene(
             let judgement = own_surface::judged(&scene, &source, &shell, &model)?;
             judgement.iter().for_each(|line| observer.warning(line));
             let (mesh, report) = solid(&shell, &law, &section)?;
-            let ends = Ends::of_middle(shell.surface.positions.iter().map(|x| x.z), &scene.wall);
-            (mesh, Some(report), ends)
+            (mesh, Some(report), shell.ends.heights)
         }
         _ => bail!(
             "[part] has no base to be clamped at; decks want a network, an STL file or tetrahedra"
@@ -316,8 +315,10 @@ impl Subject {
         *pressure = choices.pressure.unwrap_or(*pressure);
         path.steps = choices.samples.unwrap_or(path.steps);
         let Self { design, mesh, wall, material, load, .. } = &self;
-        let clamp = mesh.nodes_below(self.ends.clamp_top);
-        let tip = tip_nodes(mesh, &self.ends);
+        let (surface, corners) = mesh.boundary();
+        let EndSets { clamp, tip, .. } = EndSets::of_solid(mesh, self.ends, &surface);
+        // On the part's faces, where `simulate` reads the tip of tetrahedra.
+        let tip: Vec<u32> = tip.iter().map(|&vertex| corners[vertex as usize]).collect();
         ensure!(
             clamp.len() > 3 && tip.iter().all(|node| clamp.binary_search(node).is_err()),
             "the clamp below z = {:.3} mm holds {} nodes; it must hold 4 at least, and none of the tip's: see [wall]",
@@ -440,14 +441,6 @@ impl Subject {
             out.display()
         )
     }
-}
-
-/// The corners on the part's faces that are its tip, ascending: where `simulate` reads
-/// tetrahedra's.
-fn tip_nodes(mesh: &SolidMesh, ends: &Ends) -> Vec<u32> {
-    let (surface, nodes) = mesh.boundary();
-    let tip = ends.tip(surface.positions.iter().map(|x| x.z));
-    tip.into_iter().map(|vertex| nodes[vertex as usize]).collect()
 }
 
 fn displacements<'a>(

@@ -230,7 +230,7 @@ impl SolidPart {
         materials: &[Material],
         setup: &PartSetup,
     ) -> Result<PartModel, Rejected> {
-        let held = SolidMesh::unknowns_of(&self.mesh.nodes_below(shell.clamp_top));
+        let held = SolidMesh::unknowns_of(&shell.ends.heights.held_nodes(&self.mesh));
         let shown = Some(shell.surface.positions.as_slice());
         let loads = SolidLoads { held, shown, ..SolidLoads::default() };
         // Folds are those of middles of walls.

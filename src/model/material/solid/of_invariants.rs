@@ -13,7 +13,8 @@
 
 use nalgebra::Matrix3;
 
-use super::{LOWER, SolidResponse, mirror};
+use super::response::{LOWER, SolidResponse, mirror};
+use crate::math::cofactor;
 
 /// `psi_iso` at `f`, MPa, of `psi(x)` and `d`, MPa.
 pub(in crate::model::material) fn energy(
@@ -120,11 +121,4 @@ fn add(moduli: &mut [[Matrix3<f64>; 3]; 3], block: impl Fn(usize, usize) -> Matr
 #[inline]
 fn second_invariant(i1: f64, c: &Matrix3<f64>) -> f64 {
     0.5 * (i1 * i1 - c.norm_squared())
-}
-
-/// `det F F^-T`.
-#[inline]
-fn cofactor(f: &Matrix3<f64>) -> Matrix3<f64> {
-    let [a, b, c] = [0, 1, 2].map(|k| f.column(k).into_owned());
-    Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }

@@ -19,8 +19,8 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::super::OgdenTerm;
-use super::{LOWER, SolidResponse, mirror};
+use super::response::{LOWER, SolidResponse, mirror};
+use crate::model::material::ogden_term::OgdenTerm;
 
 /// `psi_iso` at `f`, MPa, of these terms.
 pub(in crate::model::material) fn energy(

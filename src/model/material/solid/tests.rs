@@ -3,8 +3,10 @@
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::super::test_laws::{compressible, invariants, nominal_stress};
-use super::super::{Material, MooneyRivlin, Ogden, OgdenTerm, Rubber, energy_of_shape, rubbers};
+use super::super::test_laws::{
+    compressible, energy_of_shape, example_rubbers, invariants, nominal_stress,
+};
+use super::super::{Material, MooneyRivlin, Ogden, OgdenTerm, Rubber};
 use super::*;
 
 /// Equal, nearly equal and different stretches; with and without a change of volume.
@@ -33,7 +35,10 @@ fn gradients([a, b, c]: [f64; 3]) -> Vec<Matrix3<f64>> {
 }
 
 fn laws() -> Vec<(Rubber, SolidLaw)> {
-    rubbers().into_iter().map(|rubber| (rubber.clone(), SolidLaw::new(&rubber, None))).collect()
+    example_rubbers()
+        .into_iter()
+        .map(|rubber| (rubber.clone(), SolidLaw::new(&rubber, None)))
+        .collect()
 }
 
 /// `sum_kL A_iJkL first_kL`.

@@ -5,7 +5,7 @@ use std::{ptr, slice};
 
 use petsc_sys as sys;
 
-use super::{check, count};
+use super::session::{check, count};
 use crate::solve::SolverFailure;
 
 /// The own entries of a vector, to read.

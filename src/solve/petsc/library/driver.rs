@@ -8,7 +8,7 @@ use std::ptr;
 use petsc_sys as sys;
 
 use super::arrays::{ReadArray, WriteArray};
-use super::{Session, check, failure, in_session, petsc_int};
+use super::session::{Session, check, failure, in_session, petsc_int};
 use crate::solve::{NewtonEnding, SolverFailure};
 
 /// What SNES asks at each stage of `x <- x - step * correction`, `correction = K(x)^-1 R(x)`.

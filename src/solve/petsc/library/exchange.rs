@@ -5,7 +5,7 @@ use std::ptr;
 use petsc_sys as sys;
 
 use super::arrays::{ReadArray, WriteArray};
-use super::{Session, check, in_session, petsc_int};
+use super::session::{Session, check, in_session, petsc_int};
 use crate::solve::SolverFailure;
 use crate::solve::petsc::rows::Rows;
 

@@ -5,7 +5,7 @@ use std::ptr;
 use petsc_sys as sys;
 
 use super::matrix::Matrix;
-use super::{Session, check, count, failure, in_session};
+use super::session::{Session, check, count, failure, in_session};
 use crate::solve::SolverFailure;
 
 /// Numbers of negative and zero pivots.

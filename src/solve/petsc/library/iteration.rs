@@ -15,7 +15,7 @@ use petsc_sys as sys;
 
 use super::arrays::WriteArray;
 use super::matrix::Matrix;
-use super::{Session, check, count, in_session, petsc_int};
+use super::session::{Session, check, count, in_session, petsc_int};
 use crate::math::Vec3;
 use crate::solve::SolverFailure;
 use crate::solve::petsc::rows::Rows;

@@ -5,7 +5,7 @@ use std::{ptr, slice};
 use petsc_sys as sys;
 
 use super::arrays::{ReadArray, WriteArray};
-use super::{Session, check, in_session, petsc_int};
+use super::session::{Session, check, in_session, petsc_int};
 use crate::solve::SolverFailure;
 
 /// A symmetric matrix, and a vector for each side of it.

@@ -4,13 +4,12 @@ use std::ffi::c_int;
 
 use petsc_sys as sys;
 
-use super::{Session, check, failure};
-use crate::solve::SolverFailure;
-use crate::solve::job::Message;
+use super::session::{Session, check, failure};
+use crate::solve::{Message, SolverFailure};
 
 impl Session {
     /// Sends `message.bytes` to the rank `message.rank`; long ones wait until it receives them.
-    pub(in crate::solve::petsc) fn send(&self, message: &Message) -> Result<(), SolverFailure> {
+    pub(in crate::solve) fn send(&self, message: &Message) -> Result<(), SolverFailure> {
         let length = c_int::try_from(message.bytes.len())
             .map_err(|_| failure("a message of more than 2 GiB".to_owned()))?;
         let to = message.rank as c_int;
@@ -22,7 +21,7 @@ impl Session {
     }
 
     /// The next message to this rank, if one waits.
-    pub(in crate::solve::petsc) fn receive(&self) -> Result<Option<Message>, SolverFailure> {
+    pub(in crate::solve) fn receive(&self) -> Result<Option<Message>, SolverFailure> {
         let (mut from, mut kind, mut length) = (0, 0, 0);
         // SAFETY: the lock is held, MPI is running; the bytes are as many as the message has.
         unsafe {

@@ -9,14 +9,16 @@ use crate::model::material::{Material, NeoHookean};
 use crate::model::system::{Inadmissible, LoadedSystem};
 use crate::model::{PartModel, PartSetup};
 use crate::solve::decorator::Decorator;
+use crate::solve::petsc::library::Exchange;
+use crate::solve::petsc::rows::Rows;
 use crate::solve::solver_suite::solver_suite;
 
 /// A solver that shares whatever the size.
 fn together(pattern: &SparsityPattern) -> Snes {
     let session = Session::open().unwrap();
     let (rank, ranks) = session.rank();
-    let rows = rows::Rows::new(None, pattern.order(), rank, ranks);
-    let exchange = library::Exchange::new(&session, rows).unwrap();
+    let rows = Rows::new(None, pattern.order(), rank, ranks);
+    let exchange = Exchange::new(&session, rows).unwrap();
     let plan = Plan::Together { exchange: exchange.into(), layout: None };
     let tangent = Some(Tangent::new(&session, pattern, &plan).unwrap());
     drop(session);
@@ -182,7 +184,7 @@ fn two_ranks_pass_the_same_tests() {
             "2",
         ])
         .arg(tests)
-        .args(["solve::petsc::together_tests::", "--test-threads=1"])
+        .args(["solve::petsc::snes::together_tests::", "--test-threads=1"])
         .args(skipped.into_iter().flat_map(|name| ["--skip", name]))
         .envs(["OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"].map(|name| (name, "1")))
         .output()
