@@ -2,11 +2,11 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
 };
-use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
@@ -15,12 +15,6 @@ use crate::model::system::SparsityPattern;
 
 /// Below every ratio of operations to entries; faer's own `FORCE_SUPERNODAL`, 0, leaves out diagonal matrices.
 const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
-
-/// Supernodes of at most so many columns are merged (amalgamated) while at most this share of their entries is zero.
-///
-/// Twice as wide as `faer`'s own: shells of 3,000 to 4,200 unknowns have a quarter fewer supernodes, 5 to 12 % more entries, and
-/// their numeric factorisation takes 0.72 to 0.99 of the time (AVX-512, one thread). Yet wider ones gain nothing.
-const AMALGAMATION: [(usize, f64); 4] = [(8, 1.0), (24, 0.8), (64, 0.2), (usize::MAX, 0.1)];
 
 /// A factorisation that can be repeated for new values in the same pattern.
 pub(super) struct LdlFactor {
@@ -39,7 +33,6 @@ impl LdlFactor {
             SymmetricOrdering::Amd,
             CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
-                supernodal_params: SymbolicSupernodalParams { relax: Some(&AMALGAMATION) },
                 ..Default::default()
             },
         )
