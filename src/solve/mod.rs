@@ -19,6 +19,7 @@ mod line_search;
 mod linear;
 mod native;
 mod observed;
+mod past_limit;
 mod path;
 #[cfg(test)]
 mod path_tests;
@@ -35,6 +36,8 @@ mod supply;
 mod test_systems;
 mod vectors;
 mod walk;
+
+use std::ops::AddAssign;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -129,6 +132,25 @@ pub struct SolverFailure {
     pub message: String,
 }
 
+/// What walking asked of a solver, counted: the same on every machine, where CPU seconds are not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SolveCounts {
+    /// Newton iterations, all of them.
+    pub newton_iterations: usize,
+    /// Those among them whose attempt gave no state of the path: steps cut, falls without an end, looks past a limit point.
+    pub failed_iterations: usize,
+    /// Numerical factorisations: one for each iteration and each state, and more where tangents are shifted.
+    pub factorizations: usize,
+}
+
+impl AddAssign for SolveCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.newton_iterations += other.newton_iterations;
+        self.failed_iterations += other.failed_iterations;
+        self.factorizations += other.factorizations;
+    }
+}
+
 /// CPU seconds spent by a solver since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolveTimes {
@@ -180,4 +202,7 @@ pub trait EquilibriumSolver {
 
     /// CPU seconds so far.
     fn times(&self) -> SolveTimes;
+
+    /// Numerical factorisations so far, those of shifted tangents too; where systems are solved by iteration, preconditioners.
+    fn factorizations(&self) -> usize;
 }

@@ -4,7 +4,8 @@
 //! Every accepted state is an equilibrium that is stable under its supply. States stand at fixed samples of the drive, so
 //! that what is read off a path does not depend on how it was walked; between samples the step follows Newton's work and
 //! the change of the path's direction, and it is halved when Newton's method fails, when it met an indefinite tangent, and
-//! when the work done is not the energy stored. What is still so at the smallest step is a loss of stability: the
+//! when the work done is not the energy stored. Where a given load met indefinite tangents, the walk looks past its limit point by
+//! the conjugate (`past_limit.rs`). What is still so at the smallest step is a loss of stability: the
 //! state falls to the next stable one (`snap.rs`), which is recorded. A step starts from a prediction: the cubic through the last
 //! two states and their tangents, or between the last and one ahead that a longer step has found and nobody believed
 //!
@@ -24,7 +25,7 @@ use super::snap::Snap;
 use super::stop::Stop;
 use super::supply::Supply;
 use super::walk::{Walk, fastest};
-use super::{EquilibriumSolver, NewtonSettings, SolverFailure};
+use super::{EquilibriumSolver, NewtonSettings, SolveCounts, SolverFailure};
 use crate::model::system::{LoadedSystem, Memory};
 
 /// How a path is walked.
@@ -39,7 +40,7 @@ pub struct PathSettings {
     pub halvings: u32,
     /// A step is halved while work done and energy stored differ by more than this share of the work so far.
     pub work_tolerance: f64,
-    /// Newton iterations that a whole path may use.
+    /// Newton iterations that a whole path may use, those of failed attempts too; in a search, all paths of a candidate together.
     pub iteration_budget: usize,
     /// When Newton's method stops.
     pub newton: NewtonSettings,
@@ -161,8 +162,8 @@ pub struct Path {
     pub place: Option<usize>,
     /// Whether the last point had lost its stability, and the fall from it found no stable state.
     pub fell: bool,
-    /// Newton iterations of the whole walk, those after the last point included.
-    pub newton_iterations: usize,
+    /// What the whole walk asked of the solver, after the last point too.
+    pub counts: SolveCounts,
 }
 
 impl Path {
@@ -235,6 +236,7 @@ fn walk_on(
         Programme::Driven { supply, .. } => supply,
         Programme::Curve { .. } => Supply::Load,
     };
+    let factorized = solver.factorizations();
     let mut walk = Walk {
         system,
         solver,
@@ -248,6 +250,9 @@ fn walk_on(
         iterations: 0,
         cuts: 0,
         spent: 0,
+        useful: 0,
+        attempted: 0,
+        looked_past: None,
         shifted: 0,
         fell: false,
         place: None,
@@ -264,6 +269,11 @@ fn walk_on(
         let multipliers = walk.system.multipliers();
         walk.place = walk.points.last().and_then(|last| fastest(&last.rate, &multipliers));
     }
-    let Walk { points, place, spent, fell, .. } = walk;
-    Ok(Path { points, ending, place, fell, newton_iterations: spent })
+    let Walk { solver, points, place, spent, useful, fell, .. } = walk;
+    let counts = SolveCounts {
+        newton_iterations: spent,
+        failed_iterations: spent - useful,
+        factorizations: solver.factorizations() - factorized,
+    };
+    Ok(Path { points, ending, place, fell, counts })
 }
