@@ -311,7 +311,6 @@ fn inflated_sphere_that_stiffens_snaps() {
 }
 
 /// Stands before a solver and counts what is asked of it.
-#[derive(Debug)]
 struct Counted {
     solver: Box<dyn EquilibriumSolver>,
     iterations: usize,
