@@ -11,7 +11,7 @@ use crate::genome::{Network, Representation};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
 use crate::model::material::Material;
-use crate::solve::{Backend, SolverFailure, Stop};
+use crate::solve::{Backend, SolveCounts, SolverFailure, Stop};
 
 /// Everything that decides a candidate's outcome besides its network.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +68,8 @@ pub struct Candidate {
     pub scenarios: Option<Scenarios>,
     /// CPU seconds.
     pub seconds: StageSeconds,
+    /// What was asked of the solvers.
+    pub counts: SolveCounts,
 }
 
 /// The shell that a network encloses.
@@ -133,26 +135,28 @@ pub fn evaluate_network_until(
     let start = cpu_seconds();
     let shell = shell_of_network(network, settings);
     let mut seconds = StageSeconds { meshing: cpu_seconds() - start, ..Default::default() };
-    let rejected = |rejected, mesh, seconds| Candidate {
+    let mut counts = SolveCounts::default();
+    let rejected = |rejected, mesh, seconds, counts| Candidate {
         outcome: Outcome::Rejected(rejected),
         mesh,
         scenarios: None,
         seconds,
+        counts,
     };
     let mesh = match shell {
         Ok(mesh) => mesh,
-        Err(reason) => return Ok(rejected(reason, None, seconds)),
+        Err(reason) => return Ok(rejected(reason, None, seconds, counts)),
     };
     let CandidateSettings { load, fitness, backend, .. } = settings;
     let materials = settings.materials();
     let part = ShellPart { shell: &mesh, materials: &materials };
-    let evaluated = evaluate(&part, load, fitness, *backend, stop);
+    let evaluated = evaluate(&part, load, fitness, *backend, stop, &mut counts);
     let total = cpu_seconds() - start;
     match evaluated {
         Err(NotEvaluated::Unevaluated(why)) => Err(why),
         Err(NotEvaluated::Rejected(reason)) => {
             seconds.rest = total - seconds.meshing;
-            Ok(rejected(reason, Some(mesh), seconds))
+            Ok(rejected(reason, Some(mesh), seconds, counts))
         }
         Ok((evaluation, scenarios)) => {
             seconds.assembly = scenarios.times.assembly;
@@ -163,6 +167,7 @@ pub fn evaluate_network_until(
                 mesh: Some(mesh),
                 scenarios: Some(scenarios),
                 seconds,
+                counts,
             })
         }
     }

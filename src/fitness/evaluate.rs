@@ -11,9 +11,10 @@ use super::scenario::{blocked, free};
 use super::settings::{FitnessSettings, LoadSettings};
 use super::walk::{Scenarios, Walked, walk_scenarios};
 use crate::math::{Reason, Rejected, Room};
-use crate::solve::{Backend, Stop};
+use crate::solve::{Backend, SolveCounts, Stop};
 
-/// Walks `part` through the scenarios that `fitness` asks for, and reads the objectives off; until `stop` wants that to end.
+/// Walks `part` through the scenarios that `fitness` asks for, and reads the objectives off; until `stop` wants that to end. Adds to
+/// `counts` what that asked of the solvers, however it ended.
 ///
 /// # Errors
 /// [`NotEvaluated`] when the design fails, a library fails, or it was stopped.
@@ -23,8 +24,9 @@ pub fn evaluate(
     fitness: &FitnessSettings,
     backend: Backend,
     stop: Stop<'_>,
+    counts: &mut SolveCounts,
 ) -> Result<(Evaluation, Scenarios), NotEvaluated> {
-    let scenarios = walk_scenarios(part, load, fitness, backend, stop)?;
+    let scenarios = walk_scenarios(part, load, fitness, backend, stop, counts)?;
     let reading = Reading { part, settings: fitness, walked: &scenarios.walked };
     let exploits = exploits(fitness.objectives(), &reading, scenarios.model().creased_share());
     if fitness.exclude_exploits && !exploits.is_empty() {
@@ -45,7 +47,7 @@ pub fn evaluate(
         angle_deg: free.last().map_or(0.0, |row| row.angle_deg),
         creased_share: scenarios.model().creased_share(),
         unknowns: scenarios.model().unknowns(),
-        newton_iterations: own_rows().map(|row| row.newton_iterations).sum(),
+        newton_iterations: counts.newton_iterations,
         snaps: own_rows().filter(|row| row.stability == Stability::Snapped).count(),
         endings: scenarios.walked.iter().map(ending).collect(),
         exploits,

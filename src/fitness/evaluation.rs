@@ -29,7 +29,7 @@ pub struct Evaluation {
     pub creased_share: f64,
     /// Unknowns of the model.
     pub unknowns: usize,
-    /// Newton iterations of all scenarios.
+    /// Newton iterations of all scenarios, those of failed attempts too.
     pub newton_iterations: usize,
     /// Losses of stability that all paths went over.
     pub snaps: usize,

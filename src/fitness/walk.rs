@@ -12,7 +12,8 @@ use crate::math::{Rejected, Room};
 use crate::model::PartModel;
 use crate::model::system::System;
 use crate::solve::{
-    Backend, Ending, EquilibriumSolver, Path, PathPoint, Programme, SolveTimes, Stop, follow_from,
+    Backend, Ending, EquilibriumSolver, Path, PathPoint, PathSettings, Programme, SolveCounts,
+    SolveTimes, Stop, follow_from,
 };
 
 /// A walked scenario.
@@ -100,7 +101,8 @@ impl Scenarios {
     }
 }
 
-/// Walks `part` through the scenarios that `fitness` asks for, until `stop` wants that to end.
+/// Walks `part` through the scenarios that `fitness` asks for, until `stop` wants that to end; adds to `counts` what that asked of the
+/// solvers, however it ended. All scenarios together have the one budget of iterations.
 ///
 /// # Errors
 /// [`NotEvaluated`] when the part has no model, a path ends before it says anything of the part, a library fails, or it was stopped.
@@ -110,13 +112,15 @@ pub(super) fn walk_scenarios(
     fitness: &FitnessSettings,
     backend: Backend,
     stop: Stop<'_>,
+    counts: &mut SolveCounts,
 ) -> Result<Scenarios, NotEvaluated> {
     let scenarios: Vec<(Scenario, Arrangement)> = fitness
         .scenarios()
         .into_iter()
         .map(|scenario| (scenario, (scenario.arrangement)(fitness, load)))
         .collect();
-    let mut walker = Walker { part, load, backend, stop, arranged: Vec::new(), walked: Vec::new() };
+    let (arranged, walked) = (Vec::new(), Vec::new());
+    let mut walker = Walker { part, load, backend, stop, counts, arranged, walked };
     // Without planes a part is walked by the model that soon gets some.
     let with_planes = scenarios.iter().map(|(_, arrangement)| arrangement);
     let mut with_planes = with_planes.filter(|arrangement| !arrangement.planes.is_empty());
@@ -152,6 +156,7 @@ struct Walker<'a> {
     load: &'a LoadSettings,
     backend: Backend,
     stop: Stop<'a>,
+    counts: &'a mut SolveCounts,
     arranged: Vec<Arranged>,
     walked: Vec<Walked>,
 }
@@ -210,9 +215,13 @@ impl Walker<'_> {
         points: Vec<PathPoint>,
         step: f64,
     ) -> Result<Path, NotEvaluated> {
-        let Self { load, stop, arranged, .. } = self;
+        let Self { load, stop, counts, arranged, .. } = self;
         let Arranged { model, solver, .. } = &mut arranged[model];
-        let path = follow_from(model, solver.as_mut(), programme, points, step, &load.path, *stop)?;
+        let budget = load.path.iteration_budget;
+        let iteration_budget = budget.saturating_sub(counts.newton_iterations);
+        let settings = PathSettings { iteration_budget, ..load.path };
+        let path = follow_from(model, solver.as_mut(), programme, points, step, &settings, *stop)?;
+        **counts += path.counts;
         let is_stopped = path.ending == Ending::Interrupted;
         if is_stopped { Err(Unevaluated::Stopped.into()) } else { Ok(path) }
     }
@@ -226,7 +235,7 @@ const ONTO_PLANE: f64 = 0.25;
 fn cut_short(path: &Path, pressure: f64, scenario: &Scenario) -> Option<Rejected> {
     let reached = path.points.last().map_or(0.0, |point| point.load / pressure);
     let is_loaded = path.points.iter().any(|point| point.is_sample && point.load > 0.0);
-    (!path.ending.is_physical() || !is_loaded).then(|| {
+    (!path.ending.leaves_an_answer() || !is_loaded).then(|| {
         Rejected::new(
             Room::Solve,
             path.ending.reason(),

@@ -24,7 +24,7 @@ use crate::io::provenance::Provenance;
 use crate::io::{OutputFolder, atomic, msh};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
-use crate::solve::{Backend, Job, Path as Walked, Stop};
+use crate::solve::{Backend, Job, Path as Walked, SolveCounts, Stop};
 use crate::surface::SurfaceQuality;
 
 /// A scene file, where its results go, and which process this is.
@@ -87,7 +87,8 @@ pub(crate) struct ActuatorSummary {
     reaction: Option<ReactionSummary>,
     #[serde(flatten)]
     walk: WalkSummary,
-    newton_iterations: usize,
+    #[serde(flatten)]
+    counts: SolveCounts,
     unknowns: usize,
     /// The finite element of the shell, also of that from which a solid is made.
     element: ShellElement,
@@ -185,7 +186,7 @@ impl Read<'_> {
             planes: plane_summaries(states),
             reaction: states.last().and_then(|state| state.reaction_of(source.placed())),
             walk: WalkSummary::new(walked, model).of_placed(source.placed()),
-            newton_iterations: walked.newton_iterations,
+            counts: walked.counts,
             unknowns: model.unknowns(),
             element: mesh.element,
             creased_share: model.creased_share(),
@@ -247,7 +248,7 @@ impl ActuatorSummary {
             self.volume_initial,
             self.volume_final,
             self.unknowns,
-            self.newton_iterations,
+            self.counts.newton_iterations,
             self.cpu_seconds.total(),
             self.solver,
             out.display()

@@ -18,7 +18,7 @@ use crate::fitness::observations;
 use crate::io::provenance::Provenance;
 use crate::io::{OutputFolder, atomic, stl};
 use crate::math::cpu_seconds;
-use crate::solve::{Backend, Ending, Stop};
+use crate::solve::{Backend, Ending, SolveCounts, Stop};
 
 /// Of a part that is no shell with a tip: the last state of the path, and what it took.
 #[derive(Debug, Serialize)]
@@ -51,7 +51,8 @@ pub(crate) struct ShapeSummary {
     #[serde(flatten)]
     walk: WalkSummary,
     linear: bool,
-    newton_iterations: usize,
+    #[serde(flatten)]
+    counts: SolveCounts,
     unknowns: usize,
     solver: Backend,
     cpu_seconds: f64,
@@ -152,7 +153,7 @@ pub(crate) fn simulate(
         reaction: end.reaction_of(source.placed()),
         walk: WalkSummary::new(&walked, &shape.model).of_placed(source.placed()),
         linear: scene.load.linear,
-        newton_iterations: walked.newton_iterations,
+        counts: walked.counts,
         unknowns,
         solver: scene.solver.backend,
         cpu_seconds,
@@ -199,7 +200,7 @@ impl ShapeSummary {
             self.max_displacement,
             self.stored_energy,
             self.unknowns,
-            self.newton_iterations,
+            self.counts.newton_iterations,
             self.cpu_seconds,
             self.solver,
             out.display()

@@ -39,6 +39,7 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
             steps.push(cubic_step(before, last, load - from));
         }
         let start = State { x: last.x.clone(), load: from };
+        walk.attempted = walk.spent;
         let mut guess = best_prediction(walk.system, start, steps);
         guess.load = load;
         match walk.equilibrium(load, guess, 0)? {
@@ -136,6 +137,7 @@ impl Arc {
             steps.push(cubic_step(before, &self.last, self.step));
         }
         let start = State { x: self.last.x.clone(), load: self.last.load };
+        walk.attempted = walk.spent;
         let State { mut x, mut load } = best_prediction(walk.system, start, steps);
         let constraint =
             Constraint::Arc { from: &self.last, metric: self.metric, length: self.step };
@@ -166,6 +168,7 @@ impl Arc {
     /// The point at the load where the curve ends.
     fn finish(self, walk: &mut Walk<'_>) -> Result<Ending, SolverFailure> {
         let slope = self.last.load_rate;
+        walk.attempted = walk.spent;
         let length = (self.end - self.last.load) / slope;
         let (dx, _) = tangent_step(&self.last, length);
         let mut x: Vec<f64> = self.last.x.iter().zip(&dx).map(|(x, dx)| x + dx).collect();

@@ -73,20 +73,18 @@ impl Ending {
         matches!(self, Self::Reached | Self::SnappedAndContinued)
     }
 
-    /// Whether the part itself ended the path, rather than the method: what was reached before is the part's answer.
+    /// Whether what was reached before is the part's answer: the part itself ended the path, or the budget that every part has; not a
+    /// method that failed.
     #[must_use]
-    pub fn is_physical(self) -> bool {
+    pub fn leaves_an_answer(self) -> bool {
         match self {
             Self::Reached
             | Self::SnappedAndContinued
             | Self::LimitPoint
             | Self::Ballooning
-            | Self::SelfTouch => true,
-            Self::Unstable
-            | Self::Inverted
-            | Self::Stalled
-            | Self::BudgetSpent
-            | Self::Interrupted => false,
+            | Self::SelfTouch
+            | Self::BudgetSpent => true,
+            Self::Unstable | Self::Inverted | Self::Stalled | Self::Interrupted => false,
         }
     }
 

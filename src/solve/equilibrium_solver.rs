@@ -66,4 +66,7 @@ pub trait EquilibriumSolver {
 
     /// CPU seconds so far.
     fn times(&self) -> SolveTimes;
+
+    /// Numerical factorisations so far, those of shifted tangents too; where systems are solved by iteration, preconditioners.
+    fn factorizations(&self) -> usize;
 }

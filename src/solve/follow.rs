@@ -4,7 +4,8 @@
 //! Every accepted state is an equilibrium that is stable under its supply. States stand at fixed samples of the drive, so
 //! that what is read off a path does not depend on how it was walked; between samples the step follows Newton's work and
 //! the change of the path's direction, and it is halved when Newton's method fails, when it met an indefinite tangent, and
-//! when the work done is not the energy stored. What is still so at the smallest step is a loss of stability: the
+//! when the work done is not the energy stored. Where a given load met indefinite tangents, the walk looks past its limit point by
+//! the conjugate (`past_limit.rs`). What is still so at the smallest step is a loss of stability: the
 //! state falls to the next stable one (`snap.rs`), which is recorded. A step starts from a prediction: the cubic through the last
 //! two states and their tangents, or between the last and one ahead that a longer step has found and nobody believed
 //!
@@ -15,6 +16,7 @@
 //!
 //! A [`Programme::Curve`] is the whole equilibrium curve, stable or not (`curve.rs`).
 
+use super::counts::SolveCounts;
 use super::curve;
 use super::equilibrium_solver::{EquilibriumSolver, SolverFailure};
 use super::path::{Path, PathPoint, PathSettings, Programme};
@@ -86,6 +88,7 @@ fn walk_on(
         Programme::Driven { supply, .. } => supply,
         Programme::Curve { .. } => Supply::Load,
     };
+    let factorized = solver.factorizations();
     let mut walk = Walk {
         system,
         solver,
@@ -99,6 +102,9 @@ fn walk_on(
         iterations: 0,
         cuts: 0,
         spent: 0,
+        useful: 0,
+        attempted: 0,
+        looked_past: None,
         shifted: 0,
         fell: false,
         place: None,
@@ -115,6 +121,11 @@ fn walk_on(
         let multipliers = walk.system.multipliers();
         walk.place = walk.points.last().and_then(|last| fastest(&last.rate, &multipliers));
     }
-    let Walk { points, place, spent, fell, .. } = walk;
-    Ok(Path { points, ending, place, fell, newton_iterations: spent })
+    let Walk { solver, points, place, spent, useful, fell, .. } = walk;
+    let counts = SolveCounts {
+        newton_iterations: spent,
+        failed_iterations: spent - useful,
+        factorizations: solver.factorizations() - factorized,
+    };
+    Ok(Path { points, ending, place, fell, counts })
 }

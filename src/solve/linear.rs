@@ -4,7 +4,7 @@
 //! K du = p dC/dx        C = conjugate of the load (volume)        work = 1/2 p^2 dC/dx . du/dp
 //! ```
 
-use super::{Ending, EquilibriumSolver, Path, PathPoint, SolverFailure};
+use super::{Ending, EquilibriumSolver, Path, PathPoint, SolveCounts, SolverFailure};
 use crate::model::system::LoadedSystem;
 
 /// Rest, and the state that the linear theory has at the load `largest`; no points, and
@@ -17,8 +17,8 @@ pub fn linear_path(
     solver: &mut dyn EquilibriumSolver,
     largest: f64,
 ) -> Result<Path, SolverFailure> {
-    let walked =
-        |points, ending| Path { points, ending, place: None, fell: false, newton_iterations: 0 };
+    let counts = SolveCounts { factorizations: 1, ..SolveCounts::default() };
+    let walked = |points, ending| Path { points, ending, place: None, fell: false, counts };
     let rest = vec![0.0; system.pattern().order()];
     system.set_load(0.0);
     let negative_pivots = solver.linearize(system, &rest)?;

@@ -6,6 +6,7 @@
 mod backend;
 mod bordered;
 mod confined;
+mod counts;
 mod curve;
 mod damped;
 mod decorator;
@@ -25,6 +26,8 @@ mod message;
 mod native;
 mod newton;
 mod observed;
+mod past;
+mod past_limit;
 mod path;
 #[cfg(test)]
 mod path_tests;
@@ -44,6 +47,7 @@ mod walk;
 
 pub use backend::Backend;
 pub use confined::confined;
+pub use counts::SolveCounts;
 pub use ending::Ending;
 pub use equilibrium_solver::{EquilibriumSolver, SolveTimes, SolverFailure};
 pub use follow::{follow, follow_from, follow_watched};

@@ -10,6 +10,7 @@
 //! Between two such steps the factor at hand may correct the state (chords, Kelley 2003, section 2.4), where
 //! [`NewtonSettings::chord_contraction`] allows it: `x <- x - K0^-1 R(x)` while `|R|` contracts by that factor each time.
 
+use std::convert::Infallible;
 use std::mem;
 use std::ops::Range;
 
@@ -17,7 +18,7 @@ use super::factor::LdlFactor;
 use super::line_search;
 use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
-use super::shift::{mean_diagonal, shifts};
+use super::shift::{LastShift, mean_diagonal};
 use super::vectors::{all_finite, dot, norm};
 use super::{
     EquilibriumSolver, NewtonEnding, NewtonReport, NewtonSettings, SolveTimes, SolverFailure,
@@ -40,6 +41,8 @@ pub struct NativeSolver {
     /// Where the last solve converged, while `entries` still holds the tangent there.
     solution: Option<Vec<f64>>,
     linearized: bool,
+    last_shift: LastShift,
+    factorizations: usize,
     times: SolveTimes,
 }
 
@@ -65,6 +68,8 @@ impl NativeSolver {
             trial_residual: vec![0.0; n],
             solution: None,
             linearized: false,
+            last_shift: LastShift::default(),
+            factorizations: 0,
             times: SolveTimes { assembly: 0.0, factorization: cpu_seconds() - start },
         })
     }
@@ -289,15 +294,24 @@ impl NativeSolver {
             *diagonal = self.entries[column.start];
         }
         let mean = mean_diagonal(self.diagonal.iter().copied(), &multipliers);
-        let tried = if unshifted { 1 } else { usize::MAX };
-        shifts(mean).take(tried).find(|shift| {
+        let mut last = self.last_shift;
+        let found: Result<_, Infallible> = last.smallest(mean, unshifted, |shift| {
             for (i, (diagonal, column)) in self.diagonal.iter().zip(&self.lower).enumerate() {
                 if !multipliers.contains(&i) {
                     self.entries[column.start] = diagonal + shift;
                 }
             }
-            self.factor.factorize(&self.entries).is_some_and(|negative| negative <= stable)
-        })
+            Ok(self.factorize().is_some_and(|negative| negative <= stable))
+        });
+        self.last_shift = last;
+        let Ok(shift) = found;
+        shift
+    }
+
+    /// Factorises `entries`; the number of negative pivots, `None` when a pivot is zero.
+    fn factorize(&mut self) -> Option<usize> {
+        self.factorizations += 1;
+        self.factor.factorize(&self.entries)
     }
 
     fn tangent_is_finite(&self) -> bool {
@@ -344,7 +358,7 @@ impl EquilibriumSolver for NativeSolver {
                 .expect("linearize is called at an admissible state");
         }
         let assembled = cpu_seconds();
-        let negative = self.factor.factorize(&self.entries);
+        let negative = self.factorize();
         self.times.assembly += assembled - start;
         self.times.factorization += cpu_seconds() - assembled;
         self.linearized = negative.is_some();
@@ -365,6 +379,10 @@ impl EquilibriumSolver for NativeSolver {
 
     fn times(&self) -> SolveTimes {
         self.times
+    }
+
+    fn factorizations(&self) -> usize {
+        self.factorizations
     }
 }
 

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::counts::SolveCounts;
 use super::ending::Ending;
 use super::newton::NewtonSettings;
 use super::supply::Supply;
@@ -20,7 +21,7 @@ pub struct PathSettings {
     pub halvings: u32,
     /// A step is halved while work done and energy stored differ by more than this share of the work so far.
     pub work_tolerance: f64,
-    /// Newton iterations that a whole path may use.
+    /// Newton iterations that a whole path may use, those of failed attempts too; in a search, all paths of a candidate together.
     pub iteration_budget: usize,
     /// When Newton's method stops.
     pub newton: NewtonSettings,
@@ -151,8 +152,8 @@ pub struct Path {
     pub place: Option<usize>,
     /// Whether the last point had lost its stability, and the fall from it found no stable state.
     pub fell: bool,
-    /// Newton iterations of the whole walk, those after the last point included.
-    pub newton_iterations: usize,
+    /// What the whole walk asked of the solver, after the last point too.
+    pub counts: SolveCounts,
 }
 
 impl Path {

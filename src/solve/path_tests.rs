@@ -1,6 +1,9 @@
 //! Paths of systems of two unknowns, whose equilibria are known in closed form, on every solver.
 
-use super::{Backend, Ending, EquilibriumSolver, Path, PathSettings, Programme, Supply, follow};
+use super::{
+    Backend, Ending, EquilibriumSolver, NewtonReport, NewtonSettings, Path, PathPoint,
+    PathSettings, Programme, SolveTimes, SolverFailure, Supply, follow,
+};
 use crate::model::system::{Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPattern, System};
 
 /// Energy, gradient and the lower triangle of the Hessian (xx, yx, yy) of two unknowns.
@@ -241,6 +244,150 @@ fn flight_without_an_equilibrium_balloons() {
         let exact = (-0.5_f64).exp();
         let last = path.points.last().unwrap().load;
         assert!(last < exact && exact - last < 1.0 / 160.0, "{last}");
+    }
+}
+
+/// A thin neo-Hookean sphere of stretch `1 + x`: `W = 2 l^2 + l^-4 - 3`, `C = l^3 - 1` and `p = 4/3 (1/l - l^-7)`, which is never more
+/// than `8 7^(-7/6)` at `l = 7^(1/6)`.
+fn sphere([x, y]: [f64; 2]) -> Jet {
+    let l = 1.0 + x;
+    Jet {
+        value: 2.0 * l * l + l.powi(-4) - 3.0 + y * y / 2.0,
+        gradient: [4.0 * l - 4.0 * l.powi(-5), y],
+        hessian: [4.0 + 20.0 * l.powi(-6), 0.0, 1.0],
+    }
+}
+
+fn volume_of_sphere([x, _]: [f64; 2]) -> Jet {
+    let l = 1.0 + x;
+    Jet { value: l.powi(3) - 1.0, gradient: [3.0 * l * l, 0.0], hessian: [6.0 * l, 0.0, 0.0] }
+}
+
+/// It balloons at its maximum, found to a 320th of the load and never beyond it, whatever the load asked for. Past a limit point the
+/// volume grows by doubling, so that from 1.6 to the 215 of the bound it takes some seven steps; a fall takes hundreds of iterations.
+#[test]
+fn inflated_sphere_balloons_cheaply_at_its_limit() {
+    let exact = 8.0 * 7.0_f64.powf(-7.0 / 6.0);
+    for load in [0.9, 1.2, 3.0] {
+        let mut system = Plain::new(sphere, volume_of_sphere);
+        system.limit = Some((5.0, LimitKind::Ballooning));
+        for path in system.paths(load, &PathSettings::default()) {
+            assert_eq!((path.ending, path.place, path.fell), (Ending::Ballooning, Some(0), true));
+            let found = path.limit_load().unwrap();
+            assert!(found <= exact && exact - found < load / 319.0, "{found} {exact}");
+            assert!(path.points.iter().all(|point| point.is_stable && point.negative_pivots == 0));
+            for PathPoint { x, load, .. } in &path.points {
+                let l = 1.0 + x[0];
+                assert!((4.0 / 3.0 * (1.0 / l - l.powi(-7)) - load).abs() < 1e-8);
+            }
+            assert!(path.counts.newton_iterations < 120, "{:?}", path.counts);
+        }
+    }
+}
+
+/// With a wall that stiffens, `W + 1e-3 (l^2 - 1)^3`, the load comes back to its maximum: the sphere jumps and goes on.
+#[test]
+fn inflated_sphere_that_stiffens_snaps() {
+    fn stiffening([x, y]: [f64; 2]) -> Jet {
+        let (jet, l) = (sphere([x, y]), 1.0 + x);
+        let strain = l * l - 1.0;
+        let second = 1e-3 * (6.0 * strain * strain + 24.0 * l * l * strain);
+        Jet {
+            value: jet.value + 1e-3 * strain.powi(3),
+            gradient: [jet.gradient[0] + 6e-3 * l * strain * strain, y],
+            hessian: [jet.hessian[0] + second, 0.0, 1.0],
+        }
+    }
+    let mut system = Plain::new(stiffening, volume_of_sphere);
+    system.limit = Some((19.0, LimitKind::Ballooning));
+    for path in system.paths(1.2, &PathSettings::default()) {
+        assert_eq!(path.ending, Ending::SnappedAndContinued);
+        let [[before, after]] = path.snaps().collect::<Vec<_>>()[..] else { panic!("one snap") };
+        let load_at = |l: f64| stiffening([l - 1.0, 0.0]).gradient[0] / (3.0 * l * l);
+        let maximum = (1000..2000).map(|k| load_at(f64::from(k) * 1e-3)).fold(0.0, f64::max);
+        assert!(before.load <= maximum && maximum - before.load < 1.2 / 160.0);
+        assert!((load_at(1.0 + after.x[0]) - after.load).abs() < 1e-8 && after.x[0] > 1.0);
+    }
+}
+
+/// Stands before a solver and counts what is asked of it.
+struct Counted {
+    solver: Box<dyn EquilibriumSolver>,
+    iterations: usize,
+    linearized: usize,
+    solved: usize,
+}
+
+impl EquilibriumSolver for Counted {
+    fn solve(
+        &mut self,
+        system: &mut dyn System,
+        x: &mut [f64],
+        settings: &NewtonSettings,
+    ) -> Result<NewtonReport, SolverFailure> {
+        let report = self.solver.solve(system, x, settings)?;
+        self.iterations += report.iterations;
+        Ok(report)
+    }
+
+    fn linearize(&mut self, system: &mut dyn System, x: &[f64]) -> Result<usize, SolverFailure> {
+        self.linearized += 1;
+        self.solver.linearize(system, x)
+    }
+
+    fn solve_linearized(&mut self, b: &mut [f64]) -> Result<(), SolverFailure> {
+        self.solved += 1;
+        self.solver.solve_linearized(b)
+    }
+
+    fn is_invertible(&self) -> bool {
+        self.solver.is_invertible()
+    }
+
+    fn times(&self) -> SolveTimes {
+        self.solver.times()
+    }
+
+    fn factorizations(&self) -> usize {
+        self.solver.factorizations()
+    }
+}
+
+/// Each point linearises once and solves once for its rates, each iteration of state and load together once and twice: so the solver
+/// knows how many there were. A path counts them all, and says of each whether it led to a point.
+#[test]
+fn every_iteration_is_counted() {
+    for limit in [None, Some((5.0, LimitKind::Ballooning))] {
+        let mut system = Plain::new(sphere, volume_of_sphere);
+        system.limit = limit;
+        let solver = Backend::Native.solver(&system.pattern).unwrap();
+        let mut solver = Counted { solver, iterations: 0, linearized: 0, solved: 0 };
+        let settings = PathSettings::default();
+        let path = follow(&mut system, &mut solver, 1.2, Vec::new(), &settings).unwrap();
+        let together = solver.solved - solver.linearized;
+        let counts = path.counts;
+        assert_eq!(counts.newton_iterations, solver.iterations + together);
+        assert_eq!(counts.factorizations, solver.factorizations());
+        assert!(counts.factorizations >= counts.newton_iterations);
+        // Points know what was spent since the one before: theirs, and what failed before them.
+        let until_last: usize = path.points.iter().map(|point| point.newton_iterations).sum();
+        let useful = counts.newton_iterations - counts.failed_iterations;
+        assert!(useful <= until_last && until_last < counts.newton_iterations, "{counts:?}");
+        assert!(counts.failed_iterations > 0);
+    }
+}
+
+/// A budget ends a path by its name, with what was reached; no attempt goes on for long after it.
+#[test]
+fn spent_budget_ends_a_path_with_what_was_reached() {
+    let settings = PathSettings { iteration_budget: 20, ..PathSettings::default() };
+    for path in Plain::new(sphere, volume_of_sphere).paths(1.2, &settings) {
+        assert_eq!(path.ending, Ending::BudgetSpent);
+        assert!(path.ending.leaves_an_answer());
+        let samples = path.points.iter().filter(|point| point.is_sample && point.load > 0.0);
+        assert!(samples.count() > 0);
+        let most = settings.iteration_budget + settings.newton.max_iterations;
+        assert!(path.counts.newton_iterations <= most, "{:?}", path.counts);
     }
 }
 

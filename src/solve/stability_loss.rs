@@ -49,14 +49,15 @@ fn extremum(cubic: &Cubic) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solve::Snap;
+    use crate::solve::{Snap, SolveCounts};
 
     fn point(drive: f64, load: f64, load_rate: f64) -> PathPoint {
         PathPoint { load, load_rate, ..PathPoint::at_rest(drive, 0) }
     }
 
     fn limit(points: Vec<PathPoint>, ending: Ending) -> Option<f64> {
-        Path { points, ending, place: None, fell: false, newton_iterations: 0 }.limit_load()
+        let counts = SolveCounts::default();
+        Path { points, ending, place: None, fell: false, counts }.limit_load()
     }
 
     /// `1 - (s - 1)^2` has its top at 1, between the points 0.8 and 1.5.

@@ -6,6 +6,7 @@ use super::bordered::{self, Constraint};
 use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step, work_between, work_by_conjugate};
 use super::krylov::solve_unsymmetric;
+use super::past::Past;
 use super::path::{PathPoint, PathSettings};
 use super::stop::Stop;
 use super::supply::Supply;
@@ -34,6 +35,12 @@ pub(super) struct Walk<'a> {
     pub cuts: usize,
     /// Newton iterations on this path.
     pub spent: usize,
+    /// Those of the attempts that found its points.
+    pub useful: usize,
+    /// What had been spent when the attempt at hand began.
+    pub attempted: usize,
+    /// How many points there were when it last looked past a limit point.
+    pub looked_past: Option<usize>,
     /// Indefinite tangents of the last search for an equilibrium.
     pub shifted: usize,
     /// Whether a fall from the last point found no end.
@@ -93,6 +100,7 @@ impl Walk<'_> {
             return Ok(Ending::Reached);
         }
         self.span = drive;
+        self.attempted = self.spent;
         let start = State { x: self.last().x.clone(), load: self.last().load };
         let found = self.equilibrium(drive, start, usize::MAX)?;
         Ok(match found {
@@ -112,6 +120,7 @@ impl Walk<'_> {
         self.system.set_load(0.0);
         let drive = self.supply.at_rest(self.system.conjugate(&x));
         let supply = std::mem::replace(&mut self.supply, Supply::Load);
+        self.attempted = self.spent;
         let found = self.equilibrium(0.0, State { x, load: 0.0 }, usize::MAX)?;
         self.supply = supply;
         Ok(found.map(|mut point| {
@@ -125,7 +134,7 @@ impl Walk<'_> {
     }
 
     /// Gives the rates of a point, which are those of a given load, with respect to the drive of the supply.
-    fn turn_to_supply(&self, point: &mut PathPoint) {
+    pub(super) fn turn_to_supply(&self, point: &mut PathPoint) {
         let by_load = point.conjugate_rate;
         let load_rate =
             self.supply.equation(point.load, point.conjugate, point.drive).load_rate(by_load);
@@ -163,6 +172,7 @@ impl Walk<'_> {
             // The smallest step is to follow its own branch: what was found ahead may lie on another.
             let guess = self.prediction(drive, may_halve);
             let predicted = guess.clone();
+            self.attempted = self.spent;
             let tried =
                 self.equilibrium(drive, guess, if may_halve { PATIENCE } else { usize::MAX })?;
             match tried {
@@ -185,6 +195,21 @@ impl Walk<'_> {
                     }
                 }
                 Err(Missed { ending, .. }) if ending.is_given_up() => return Ok(Some(ending)),
+                Err(Missed { ending: Ending::LimitPoint, unstable: None })
+                    if self.may_look_past(drive) =>
+                {
+                    self.system.rewind();
+                    self.cuts += 1;
+                    match self.look_past_limit(drive, shortest.abs())? {
+                        Past::Ended { ending, fell } => {
+                            self.fell = fell;
+                            return Ok(Some(ending));
+                        }
+                        Past::NoLimit => {}
+                        Past::Unknown if may_halve => self.step = halved,
+                        Past::Unknown | Past::Returned => self.step = smallest,
+                    }
+                }
                 unresolved if may_halve => {
                     self.ahead.extend(unresolved);
                     self.system.rewind();
@@ -201,6 +226,7 @@ impl Walk<'_> {
                     self.system.rewind();
                     let saddle = unresolved.err().and_then(|missed| missed.unstable);
                     self.ahead.clear();
+                    self.attempted = self.spent;
                     match self.fall_beyond(step, target, saddle)? {
                         Ok(mut point) => {
                             self.step = 4.0 * smallest;
@@ -243,7 +269,7 @@ impl Walk<'_> {
 
     /// The factor on the next step: less where Newton's method had much to do, more where it had little and the prediction was
     /// near. What was spent on longer steps counts: a part that refused them is walked with care, and its work adds up.
-    fn growth(&self, point: &PathPoint, predicted: &State) -> f64 {
+    pub(super) fn growth(&self, point: &PathPoint, predicted: &State) -> f64 {
         let last = self.last();
         let (mut missed, mut moved) = (0.0, 0.0);
         for ((x, guess), before) in point.x.iter().zip(&predicted.x).zip(&last.x) {
@@ -268,6 +294,8 @@ impl Walk<'_> {
         }
         (self.watch)(&point);
         self.points.push(point);
+        self.useful += self.spent - self.attempted;
+        self.attempted = self.spent;
         (self.iterations, self.cuts) = (0, 0);
     }
 
@@ -467,7 +495,7 @@ impl Walk<'_> {
 
     /// The best by the size of their residual of tangent, cubic, and cubic to what is known ahead, where that is to be looked at; the
     /// last state where none is admissible.
-    fn prediction(&mut self, drive: f64, looks_ahead: bool) -> State {
+    pub(super) fn prediction(&mut self, drive: f64, looks_ahead: bool) -> State {
         let last = self.last();
         let step = drive - last.drive;
         let mut candidates = vec![tangent_step(last, step)];

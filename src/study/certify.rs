@@ -35,7 +35,7 @@ use crate::scene::part::solid_part::{SolidPart, SolidReport, SolidSection};
 use crate::scene::pattern::PatternSection;
 use crate::scene::results::design_folder::{write_json, write_surface};
 use crate::scene::results::path_rows::write_scenarios;
-use crate::solve::{Backend, Stop};
+use crate::solve::{Backend, SolveCounts, Stop};
 
 /// A design to be certified.
 pub(crate) struct Design {
@@ -396,7 +396,8 @@ pub(crate) fn certify(
         };
         let CandidateSettings { load, fitness, backend, .. } = settings;
         let part = SolidOfShell { solid: &solid, shell, materials: &settings.materials() };
-        match evaluate(&part, load, fitness, *backend, stop) {
+        let mut counts = SolveCounts::default();
+        match evaluate(&part, load, fitness, *backend, stop, &mut counts) {
             Ok((evaluation, scenarios)) => Ok(Ok((solid, evaluation, scenarios))),
             Err(NotEvaluated::Rejected(rejected)) => Ok(Err(rejected)),
             Err(NotEvaluated::Unevaluated(why)) => Err(why.into()),

@@ -13,10 +13,12 @@ use super::inherited::{Candidate, Genome, Inherited};
 use super::observer::{Limits, Observer};
 use super::run_folder::{Place, Record, RunFolder};
 use crate::batch::{Executor, Next, Outcome as Ended, Stopped, serve};
-use crate::fitness::{CandidateSettings, Outcome, StageSeconds, Unevaluated, evaluate_genome};
+use crate::fitness::{
+    Candidate as Evaluation, CandidateSettings, Outcome, StageSeconds, Unevaluated, evaluate_genome,
+};
 use crate::genome::Representation;
 use crate::math::{Reason, Rejected, Room};
-use crate::solve::{Job, Stop};
+use crate::solve::{Job, SolveCounts, Stop};
 
 /// What an evaluation gives.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -34,6 +36,7 @@ pub(crate) enum Evaluated {
 pub(crate) struct Finished {
     outcome: Outcome,
     cpu_seconds: StageSeconds,
+    counts: SolveCounts,
     place: Option<Place>,
 }
 
@@ -80,8 +83,8 @@ fn evaluate(
     };
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let place = Some(Place { rank, ended: since_1970.as_secs_f64() });
-    let (outcome, cpu_seconds) = (evaluated.outcome, evaluated.seconds);
-    Evaluated::Finished(Finished { outcome, cpu_seconds, place })
+    let Evaluation { outcome, seconds: cpu_seconds, counts, .. } = evaluated;
+    Evaluated::Finished(Finished { outcome, cpu_seconds, counts, place })
 }
 
 /// What is known of genomes, by their text.
@@ -144,6 +147,7 @@ impl Generation<'_> {
                 genome: candidate.genome.clone(),
                 outcome: known.0[&Known::text(&candidate.genome)].clone(),
                 cpu_seconds: StageSeconds::default(),
+                counts: None,
                 place: None,
                 settings: Some(self.digest.to_owned()),
             })
@@ -245,11 +249,13 @@ fn record(
                 f64::MAX,
             )),
             cpu_seconds: StageSeconds::default(),
+            counts: SolveCounts::default(),
             place: None,
         },
     };
-    let Finished { outcome, cpu_seconds, place } = finished;
+    let Finished { outcome, cpu_seconds, counts, place } = finished;
+    let counts = Some(counts);
     let genome = candidate.genome.clone();
     let settings = Some(digest.to_owned());
-    Ok(Some(Record { id: candidate.id, genome, outcome, cpu_seconds, place, settings }))
+    Ok(Some(Record { id: candidate.id, genome, outcome, cpu_seconds, counts, place, settings }))
 }

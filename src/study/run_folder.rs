@@ -38,6 +38,7 @@ use crate::report::{
     outcomes_svg, png, standing,
 };
 use crate::scene::results::design_folder::write_json;
+use crate::solve::SolveCounts;
 
 /// One line of `candidates.jsonl`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -47,6 +48,9 @@ pub(crate) struct Record {
     #[serde(flatten)]
     pub outcome: Outcome,
     pub cpu_seconds: StageSeconds,
+    /// What it asked of the solvers; none of a genome that was known, or in records of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counts: Option<SolveCounts>,
     /// Where and when it was evaluated; none of a genome that was known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,

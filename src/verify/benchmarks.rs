@@ -263,7 +263,7 @@ fn order(coarse: &ErrorPoint, fine: &ErrorPoint) -> Option<f64> {
 }
 
 fn iterations(measured: &Measured) -> usize {
-    measured.walked.newton_iterations
+    measured.walked.counts.newton_iterations
 }
 
 const OK: &str = "ok";

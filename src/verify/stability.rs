@@ -275,7 +275,7 @@ fn judged(case: &StabilityCase, variant: Variant, solver: Backend, ran: &Ran) ->
     let points = &measured.walked.points;
     row.load = ran.reached;
     row.snaps = measured.walked.snaps().count();
-    row.newton_iterations = measured.walked.newton_iterations;
+    row.newton_iterations = measured.walked.counts.newton_iterations;
     row.step_cuts = points.iter().map(|point| point.cuts).sum();
     row.unknowns = measured.unknowns;
     row.cpu_seconds = measured.cpu_seconds;

@@ -32,7 +32,7 @@ mod tests {
     use crate::fitness::{FitnessSettings, LoadSettings, ShellPart, evaluate, objective};
     use crate::mesh::{ShellMesh, ShellSettings};
     use crate::model::material::{Material, Ogden};
-    use crate::solve::{Backend, Stop};
+    use crate::solve::{Backend, SolveCounts, Stop};
     use crate::surface::TriangleMesh;
 
     /// A balloon that is flatter on one side; `side` is 1, or -1 for its mirror image about x = 0.
@@ -62,7 +62,8 @@ mod tests {
             let settings = ShellSettings { thickness: 1.0, ..ShellSettings::default() };
             let shell = ShellMesh::new(balloon(side), &settings).unwrap();
             let part = ShellPart { shell: &shell, materials: material.as_ref() };
-            let evaluated = evaluate(&part, &load, &asked, Backend::Native, Stop::NEVER);
+            let mut counts = SolveCounts::default();
+            let evaluated = evaluate(&part, &load, &asked, Backend::Native, Stop::NEVER, &mut counts);
             let (evaluation, scenarios) = evaluated.unwrap();
             assert_eq!(scenarios.walked.len(), 3);
             ["blocking", "blocking_back"].map(|name| evaluation.objectives[name])

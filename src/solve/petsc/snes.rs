@@ -100,12 +100,15 @@ impl Snes {
         }
         let start = cpu_seconds();
         self.iterations = self.linear_iterations();
+        let factorizations = self.factorizations();
         self.tangent = None;
         let plan = match self.plan.take() {
             Some(plan) => plan,
             None => Plan::new(session, system, self.method)?,
         };
-        self.tangent = Some(Tangent::new(session, pattern, &plan)?);
+        let mut tangent = Tangent::new(session, pattern, &plan)?;
+        tangent.factorizations = factorizations;
+        self.tangent = Some(tangent);
         self.plan = Some(plan);
         self.times.factorization += cpu_seconds() - start;
         Ok(())
@@ -245,6 +248,10 @@ impl EquilibriumSolver for Snes {
     fn times(&self) -> SolveTimes {
         self.times
     }
+
+    fn factorizations(&self) -> usize {
+        self.tangent.as_ref().map_or(0, |tangent| tangent.factorizations)
+    }
 }
 
 /// One solve: the system's answers to what SNES asks.
@@ -293,7 +300,9 @@ impl Newton for Drive<'_> {
         if self.system.make_room(x) {
             let start = cpu_seconds();
             self.replaced += self.tangent.iterations();
+            let factorizations = self.tangent.factorizations;
             *self.tangent = Tangent::new(self.session, self.system.pattern(), self.plan)?;
+            self.tangent.factorizations = factorizations;
             self.factorization += cpu_seconds() - start;
         }
         let made = self.system.tangent(x, &mut self.trial_residual, &mut self.tangent.entries);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::library::{Exchange, Factor, Inertia, Iteration, Matrix, Session};
 use super::rows::Rows;
 use crate::model::system::{Layout, SparsityPattern, System};
-use crate::solve::shift::{mean_diagonal, shifts};
+use crate::solve::shift::{LastShift, mean_diagonal};
 use crate::solve::{LinearMethod, SolverFailure, lanczos};
 
 /// Who does what with the tangents of a system.
@@ -87,6 +87,9 @@ pub(super) struct Tangent {
     diagonal: Vec<(usize, u32)>,
     solver: Solver,
     exchange: Option<Arc<Exchange>>,
+    last_shift: LastShift,
+    /// Since it was made, or since the one was that it came after.
+    pub factorizations: usize,
 }
 
 #[derive(Debug)]
@@ -126,6 +129,8 @@ impl Tangent {
             diagonal: starts.into_iter().zip(0..).collect(),
             solver: Solver::Factor(factor),
             exchange: None,
+            last_shift: LastShift::default(),
+            factorizations: 0,
         })
     }
 
@@ -150,6 +155,8 @@ impl Tangent {
             diagonal: own.diagonal.into_iter().zip(unknowns).collect(),
             solver,
             exchange: Some(Arc::clone(exchange)),
+            last_shift: LastShift::default(),
+            factorizations: 0,
         })
     }
 
@@ -186,6 +193,7 @@ impl Tangent {
         shift: f64,
         multipliers: &Range<usize>,
     ) -> Result<Option<Inertia>, SolverFailure> {
+        self.factorizations += 1;
         let Self { kept, entries, diagonal, solver, .. } = self;
         let fill = |values: &mut [f64]| {
             for (value, &entry) in values.iter_mut().zip(&*kept) {
@@ -218,17 +226,17 @@ impl Tangent {
         let stable = |inertia: Option<Inertia>| {
             inertia.is_some_and(|inertia| inertia.negative <= negative && inertia.zero == 0)
         };
-        if stable(self.factorize(session, 0.0, multipliers)?) {
-            return Ok(Some(0.0));
-        }
-        let tried = if unshifted { 1 } else { usize::MAX };
-        let mean = mean_diagonal(self.whole_diagonal(session)?.into_iter(), multipliers);
-        for shift in shifts(mean).take(tried).skip(1) {
-            if stable(self.factorize(session, shift, multipliers)?) {
-                return Ok(Some(shift));
-            }
-        }
-        Ok(None)
+        let mean = if unshifted {
+            0.0
+        } else {
+            mean_diagonal(self.whole_diagonal(session)?.into_iter(), multipliers)
+        };
+        let mut last = self.last_shift;
+        let found = last.smallest(mean, unshifted, |shift| {
+            Ok(stable(self.factorize(session, shift, multipliers)?))
+        });
+        self.last_shift = last;
+        found
     }
 
     /// The diagonal of all ranks, `[n]`.

@@ -242,6 +242,7 @@ mod tests {
             genome: vec![0.0; GENES.len()].try_into().unwrap(),
             outcome: Outcome::Rejected(rejected),
             cpu_seconds: StageSeconds { rest: 10.0, ..StageSeconds::default() },
+            counts: None,
             place: (rank < 2).then_some(Place { rank, ended }),
             settings: None,
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::watch_curve::CurvePoint;
-use crate::solve::{Ending, Path as Walked, PathPoint};
+use crate::solve::{Ending, Path as Walked, PathPoint, SolveCounts};
 use crate::verify::cases::{self, SHELLS};
 
 /// A path of three states with one watch, which grows to `value`.
@@ -15,7 +15,7 @@ fn measured(value: f64) -> Measured {
         ending: Ending::Reached,
         place: None,
         fell: false,
-        newton_iterations: 0,
+        counts: SolveCounts::default(),
     };
     Measured {
         walked,
