@@ -115,9 +115,11 @@ impl Walk<'_> {
         };
         let Look { walk: Walk { points, spent: total, place, .. }, .. } = look;
         self.place = place;
-        // What is stable under the load, and not past the drive, belongs to the path.
+        // What is stable under the load, and not past the drive, belongs to the path: where no limit point was found, none does, as a
+        // branch that ends at a bifurcation would be left so near to it that no step tells the loss of stability.
+        let found = if past == Past::Unknown { 0 } else { attempts.len() };
         let mut before = spent - iterations;
-        for (point, attempt) in points.into_iter().skip(first).zip(attempts) {
+        for (point, attempt) in points.into_iter().skip(first).zip(attempts).take(found) {
             let is_before = (drive - point.load) * sense > 0.0;
             if point.negative_pivots > 0 || !is_before {
                 break;
@@ -200,7 +202,8 @@ impl Look<'_> {
         let drive = walk.last().drive + self.step;
         let guess = walk.prediction(drive, false);
         let mut state = guess.clone();
-        let newton = NewtonSettings { most_shifted: PATIENCE, ..*newton };
+        // A tangent that the constraint does not cure lies past a bifurcation: what is found from it may be another branch.
+        let newton = NewtonSettings { most_shifted: 0, ..*newton };
         let report = walk.solve(drive, &mut state, &newton)?;
         let found = match report.ending {
             NewtonEnding::Converged => walk.stable_under_conjugate(drive, &state)?,
@@ -293,8 +296,6 @@ const NEAR: f64 = 0.5;
 const COARSE: f64 = 1e-2;
 /// How much larger a residual may be past the limit point.
 const LOOSE: f64 = 1e3;
-/// Indefinite tangents on the way to an equilibrium after which a smaller step is tried.
-const PATIENCE: usize = 3;
 /// Past the maximum a step that took so many iterations is followed by one twice as long.
 const EASY_ITERATIONS: usize = 5;
 const MOST_STEPS: usize = 100;
