@@ -8,11 +8,9 @@ pub(super) enum Past {
     /// The path ends: a bound of validity is passed before the load is reached, and where `fell`, the load has a maximum before that
     /// bound and does not come back to it.
     Ended { ending: Ending, fell: bool },
-    /// There is no maximum on the way there so far; the path has new points.
-    NoLimit,
     /// It has a maximum, and they do not tell what is beyond: it comes back, or they were lost.
     Returned,
-    /// They were not found.
+    /// They were not found, or they have no maximum: they rise to the load behind a knee that its steps may be too coarse for.
     Unknown,
 }
 

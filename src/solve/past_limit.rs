@@ -94,11 +94,7 @@ impl Walk<'_> {
             let Some((point, limit)) = look.next(newton)? else { continue };
             match look.segment(&point, resolution, drive) {
                 Seen::TooCoarse => {}
-                Seen::NoLimit => {
-                    look.walk.points.push(point);
-                    attempts.push(begun..look.walk.spent);
-                    break Past::NoLimit;
-                }
+                Seen::NoLimit => break Past::Unknown,
                 Seen::Returned => break Past::Returned,
                 Seen::Ahead => {
                     if let Some(limit) = limit {
@@ -115,8 +111,8 @@ impl Walk<'_> {
         };
         let Look { walk: Walk { points, spent: total, place, .. }, .. } = look;
         self.place = place;
-        // What is stable under the load, and not past the drive, belongs to the path: where no limit point was found, none does, as a
-        // branch that ends at a bifurcation would be left so near to it that no step tells the loss of stability.
+        // What is stable under the load, and not past the drive, belongs to the path. Where no limit point was found, nothing does: behind
+        // a knee, as an imperfect column has, the steps of the load decide whether stability is lost.
         let found = if past == Past::Unknown { 0 } else { attempts.len() };
         let mut before = spent - iterations;
         for (point, attempt) in points.into_iter().skip(first).zip(attempts).take(found) {
@@ -132,10 +128,6 @@ impl Walk<'_> {
         }
         self.iterations = total - before;
         self.spent = total;
-        let is_new = self.looked_past != Some(self.points.len());
-        if past == Past::NoLimit {
-            return Ok(if is_new { past } else { Past::Unknown });
-        }
         // From a limit point there is nothing to be seen twice.
         self.looked_past = Some(self.points.len());
         Ok(past)

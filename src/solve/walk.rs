@@ -205,7 +205,6 @@ impl Walk<'_> {
                             self.fell = fell;
                             return Ok(Some(ending));
                         }
-                        Past::NoLimit => {}
                         Past::Unknown if may_halve => self.step = halved,
                         Past::Unknown | Past::Returned => self.step = smallest,
                     }
