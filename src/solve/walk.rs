@@ -1,6 +1,6 @@
 //! The walk along a driven path: steps, their predictions, and when they are believed.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use super::bordered::{self, Constraint};
 use super::ending::Ending;
@@ -206,7 +206,15 @@ impl Walk<'_> {
                             return Ok(Some(ending));
                         }
                         Past::Unknown if may_halve => self.step = halved,
-                        Past::Unknown | Past::Returned => self.step = smallest,
+                        Past::Unknown => self.step = smallest,
+                        Past::Returned => {
+                            let left = target - self.last().drive;
+                            let step = if left / smallest < 1.0 { left } else { smallest };
+                            match self.lose_stability(step, smallest, target, None)? {
+                                ControlFlow::Continue(()) => {}
+                                ControlFlow::Break(ending) => return Ok(ending),
+                            }
+                        }
                     }
                 }
                 unresolved if may_halve => {
@@ -224,24 +232,37 @@ impl Walk<'_> {
                 unresolved => {
                     self.system.rewind();
                     let saddle = unresolved.err().and_then(|missed| missed.unstable);
-                    self.ahead.clear();
-                    self.attempted = self.spent;
-                    match self.fall_beyond(step, target, saddle)? {
-                        Ok(mut point) => {
-                            self.step = 4.0 * smallest;
-                            point.is_sample = point.drive == target;
-                            let is_there = point.is_sample;
-                            self.accept(point);
-                            if is_there {
-                                return Ok(None);
-                            }
-                        }
-                        Err(ending) => {
-                            self.fell = ending != Ending::Interrupted;
-                            return Ok(Some(ending));
-                        }
+                    match self.lose_stability(step, smallest, target, saddle)? {
+                        ControlFlow::Continue(()) => {}
+                        ControlFlow::Break(ending) => return Ok(ending),
                     }
                 }
+            }
+        }
+    }
+
+    /// Leaves the last point, beyond which there is no stable state near, for one that is reached by a fall; breaks with the ending, or
+    /// with none where the state is at `target`.
+    fn lose_stability(
+        &mut self,
+        step: f64,
+        smallest: f64,
+        target: f64,
+        saddle: Option<State>,
+    ) -> Result<ControlFlow<Option<Ending>>, SolverFailure> {
+        self.ahead.clear();
+        self.attempted = self.spent;
+        match self.fall_beyond(step, target, saddle)? {
+            Ok(mut point) => {
+                self.step = 4.0 * smallest;
+                point.is_sample = point.drive == target;
+                let is_there = point.is_sample;
+                self.accept(point);
+                Ok(if is_there { ControlFlow::Break(None) } else { ControlFlow::Continue(()) })
+            }
+            Err(ending) => {
+                self.fell = ending != Ending::Interrupted;
+                Ok(ControlFlow::Break(Some(ending)))
             }
         }
     }
