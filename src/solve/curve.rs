@@ -13,9 +13,10 @@ use super::bordered::{self, Constraint, Metric};
 use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step};
 use super::path::PathPoint;
+use super::prediction::best_prediction;
 use super::supply::Supply;
 use super::vectors::norm;
-use super::walk::{State, Walk, best_prediction};
+use super::walk::{State, Walk};
 use super::{NewtonEnding, SolverFailure};
 
 /// Traces the curve to where it first reaches the load `end`.
@@ -40,7 +41,7 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
         }
         let start = State { x: last.x.clone(), load: from };
         walk.attempted = walk.spent;
-        let mut guess = best_prediction(walk.system, start, steps);
+        let mut guess = best_prediction(walk.system, start, steps, false);
         guess.load = load;
         match walk.equilibrium(load, guess, 0)? {
             Ok(mut point) if walk.resolves(&point) => {
@@ -138,7 +139,7 @@ impl Arc {
         }
         let start = State { x: self.last.x.clone(), load: self.last.load };
         walk.attempted = walk.spent;
-        let State { mut x, mut load } = best_prediction(walk.system, start, steps);
+        let State { mut x, mut load } = best_prediction(walk.system, start, steps, false);
         let constraint =
             Constraint::Arc { from: &self.last, metric: self.metric, length: self.step };
         let newton = &walk.settings.newton;

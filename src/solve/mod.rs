@@ -33,6 +33,8 @@ mod path;
 mod path_tests;
 #[cfg(feature = "petsc")]
 mod petsc;
+mod prediction;
+mod secants;
 mod shift;
 mod snap;
 #[cfg(test)]

@@ -7,8 +7,12 @@
 //!
 //! With the shift the step is a direction of descent: a minimiser does not walk to a saddle. Multipliers are not shifted.
 //!
-//! Between two such steps the factor at hand may correct the state (chords, Kelley 2003, section 2.4), where
-//! [`NewtonSettings::chord_contraction`] allows it: `x <- x - K0^-1 R(x)` while `|R|` contracts by that factor each time.
+//! Where [`NewtonSettings::chord_contraction`] allows it, the factor at hand corrects the state before another tangent is made: that of
+//! the last stable state on a path, or of the last step. It learns from each correction by BFGS' update (`secants.rs`):
+//!
+//! ```text
+//! x <- x - a H R(x)     while of three corrections in a row the last is shorter than the first by that factor
+//! ```
 
 use std::convert::Infallible;
 use std::mem;
@@ -18,6 +22,7 @@ use super::factor::LdlFactor;
 use super::line_search;
 use super::line_search::RESIDUAL_GROWTH;
 use super::observed::Observed;
+use super::secants::Secants;
 use super::shift::{LastShift, mean_diagonal};
 use super::vectors::{all_finite, dot, norm};
 use super::{
@@ -25,6 +30,9 @@ use super::{
 };
 use crate::math::cpu_seconds;
 use crate::model::system::{SparsityPattern, System};
+
+/// Corrections by one factor at most: an update costs two vectors and their products.
+const MOST_CORRECTIONS: usize = 30;
 
 /// Our Newton solver over `faer`.
 #[derive(Debug)]
@@ -41,6 +49,9 @@ pub struct NativeSolver {
     /// Where the last solve converged, while `entries` still holds the tangent there.
     solution: Option<Vec<f64>>,
     linearized: bool,
+    /// Whether the factor at hand is that of a stable tangent of this system, not shifted.
+    is_stable: bool,
+    secants: Secants,
     last_shift: LastShift,
     factorizations: usize,
     times: SolveTimes,
@@ -68,6 +79,8 @@ impl NativeSolver {
             trial_residual: vec![0.0; n],
             solution: None,
             linearized: false,
+            is_stable: false,
+            secants: Secants::default(),
             last_shift: LastShift::default(),
             factorizations: 0,
             times: SolveTimes { assembly: 0.0, factorization: cpu_seconds() - start },
@@ -83,11 +96,19 @@ impl NativeSolver {
     ) -> Result<NewtonEnding, SolverFailure> {
         let threshold = settings.tolerance * system.force_scale();
         let stable = system.stable_negative_pivots();
-        let Some(mut energy) = self.assemble(system, x)? else {
-            return Ok(NewtonEnding::Inadmissible);
-        };
-        mem::swap(&mut self.residual, &mut self.trial_residual);
+        let corrects = settings.chord_contraction > 0.0;
+        if corrects && self.is_stable {
+            let Ok(energy) = system.residual(x, &mut self.residual) else {
+                return Ok(NewtonEnding::Inadmissible);
+            };
+            self.secants.clear();
+            self.correct(system, x, energy, f64::INFINITY, settings);
+        }
         loop {
+            let Some(energy) = self.assemble(system, x)? else {
+                return Ok(NewtonEnding::Inadmissible);
+            };
+            mem::swap(&mut self.residual, &mut self.trial_residual);
             report.residual_norm = norm(&self.residual);
             if report.residual_norm <= threshold {
                 self.solution = Some(x.to_vec());
@@ -108,61 +129,78 @@ impl NativeSolver {
                 });
             }
 
-            let with_chords = shift == Some(0.0) && settings.chord_contraction > 0.0;
-            let step = if system.multipliers().is_empty() {
-                self.lower_energy(system, x, energy, with_chords)
-            } else {
-                let bound = RESIDUAL_GROWTH * report.residual_norm.max(threshold);
-                self.bound_residual(system, x, bound)
+            let corrects = corrects && shift == Some(0.0);
+            let energy = match self.step(system, x, energy, corrects, threshold) {
+                Ok(energy) => energy,
+                Err(ending) => return Ok(ending),
             };
-            if let Err(ending) = step {
-                return Ok(ending);
+            if corrects {
+                self.step_to_trial(system, x);
+                let length = norm(&self.direction);
+                self.correct(system, x, energy, length, settings);
+            } else {
+                x.copy_from_slice(&self.trial);
             }
-            x.copy_from_slice(&self.trial);
-            if with_chords && self.follow_chords(system, x, settings.chord_contraction, threshold) {
-                report.residual_norm = norm(&self.residual);
-                return Ok(NewtonEnding::Converged);
-            }
-            match self.assemble(system, x)? {
-                Some(there) => energy = there,
-                None => return Ok(NewtonEnding::Inadmissible),
-            }
-            mem::swap(&mut self.residual, &mut self.trial_residual);
         }
     }
 
-    /// Corrects `x` with the factor at hand while the residual contracts; whether it got below the `threshold`.
-    ///
-    /// Starts from `x` in `trial` with its residual in `trial_residual`, and the residual before it in `residual`.
-    fn follow_chords(
+    /// Corrects `x`, where `residual` and `energy` are known, with the factor at hand until the residual is below the tolerance, as long
+    /// as two corrections contract; the first two are measured against the step `before`, of this length.
+    fn correct(
         &mut self,
         system: &mut Observed<'_>,
         x: &mut [f64],
-        contraction: f64,
-        threshold: f64,
-    ) -> bool {
-        loop {
-            let target = threshold.max(contraction * norm(&self.residual));
-            let size = norm(&self.trial_residual);
-            if size.is_nan() || size > target {
-                return false;
-            }
-            x.copy_from_slice(&self.trial);
-            mem::swap(&mut self.residual, &mut self.trial_residual);
-            if size <= threshold {
-                return true;
+        mut energy: f64,
+        before: f64,
+        settings: &NewtonSettings,
+    ) {
+        let threshold = settings.tolerance * system.force_scale();
+        let mut lengths = [f64::INFINITY, before];
+        for _ in 0..MOST_CORRECTIONS {
+            if norm(&self.residual) <= threshold {
+                return;
             }
             self.solve_for_direction();
-            if system.longest_step(x, &self.direction) < 1.0 {
-                return false;
+            let length = norm(&self.direction);
+            let contracts = length <= settings.chord_contraction * lengths[0];
+            if !contracts {
+                return;
             }
-            for ((trial, x), dx) in self.trial.iter_mut().zip(&*x).zip(&self.direction) {
-                *trial = x + dx;
-            }
-            if system.residual(&self.trial, &mut self.trial_residual).is_err() {
-                return false;
-            }
+            let Ok(there) = self.step(system, x, energy, true, threshold) else { return };
+            energy = there;
+            self.step_to_trial(system, x);
+            lengths = [lengths[1], length];
         }
+    }
+
+    /// Makes a step into `trial`, `with_residual` the residual there into `trial_residual`; the energy there.
+    fn step(
+        &mut self,
+        system: &mut Observed<'_>,
+        x: &[f64],
+        energy: f64,
+        with_residual: bool,
+        threshold: f64,
+    ) -> Result<f64, NewtonEnding> {
+        if system.multipliers().is_empty() {
+            self.lower_energy(system, x, energy, with_residual)
+        } else {
+            let bound = RESIDUAL_GROWTH * norm(&self.residual).max(threshold);
+            self.bound_residual(system, x, bound)
+        }
+    }
+
+    /// Moves `x` to `trial`, where `trial_residual` is known, and learns from that; the step is left in `direction`.
+    fn step_to_trial(&mut self, system: &Observed<'_>, x: &mut [f64]) {
+        for ((direction, trial), x) in self.direction.iter_mut().zip(&self.trial).zip(&*x) {
+            *direction = trial - x;
+        }
+        // What a saddle has of curvature is no measure of its tangent.
+        if system.multipliers().is_empty() {
+            self.secants.learn(&self.direction, &self.residual, &self.trial_residual);
+        }
+        x.swap_with_slice(&mut self.trial);
+        mem::swap(&mut self.residual, &mut self.trial_residual);
     }
 
     /// Makes a step that lowers the `energy` into `trial`; `with_residual` the one there into `trial_residual`.
@@ -172,7 +210,7 @@ impl NativeSolver {
         x: &[f64],
         energy: f64,
         with_residual: bool,
-    ) -> Result<(), NewtonEnding> {
+    ) -> Result<f64, NewtonEnding> {
         let slope = dot(&self.residual, &self.direction);
         system.forget_admissible();
         let evaluate = |system: &mut dyn System, trial: &[f64]| {
@@ -191,8 +229,8 @@ impl NativeSolver {
             &mut self.trial,
             evaluate,
         );
-        if step.is_some() {
-            Ok(())
+        if let Some(step) = step {
+            Ok(step.energy)
         } else if system.met_only_inadmissible() {
             Err(NewtonEnding::Inadmissible)
         } else {
@@ -206,16 +244,18 @@ impl NativeSolver {
         system: &mut Observed<'_>,
         x: &[f64],
         bound: f64,
-    ) -> Result<(), NewtonEnding> {
+    ) -> Result<f64, NewtonEnding> {
         let mut ending = NewtonEnding::Inadmissible;
         for length in line_search::cuts(system.longest_step(x, &self.direction)) {
             for ((trial, x), dx) in self.trial.iter_mut().zip(x).zip(&self.direction) {
                 *trial = x + length * dx;
             }
             let evaluated = system.residual(&self.trial, &mut self.trial_residual);
-            if evaluated.is_ok() && all_finite(&self.trial_residual) {
+            if let Ok(energy) = evaluated
+                && all_finite(&self.trial_residual)
+            {
                 if norm(&self.trial_residual) <= bound {
-                    return Ok(());
+                    return Ok(energy);
                 }
                 ending = NewtonEnding::LineSearchFailed;
             }
@@ -245,6 +285,7 @@ impl NativeSolver {
         let start = cpu_seconds();
         self.lower = lower_columns(pattern);
         self.factor = LdlFactor::new(pattern)?;
+        self.is_stable = false;
         self.entries = vec![0.0; pattern.stored()];
         self.times.factorization += cpu_seconds() - start;
         Ok(())
@@ -280,7 +321,7 @@ impl NativeSolver {
         for (direction, residual) in self.direction.iter_mut().zip(&self.residual) {
             *direction = -residual;
         }
-        self.factor.solve(&mut self.direction);
+        self.secants.solve(&mut self.direction, |b| self.factor.solve(b));
         self.times.factorization += cpu_seconds() - start;
     }
 
@@ -304,7 +345,9 @@ impl NativeSolver {
             Ok(self.factorize().is_some_and(|negative| negative <= stable))
         });
         self.last_shift = last;
+        self.secants.clear();
         let Ok(shift) = found;
+        self.is_stable = false;
         shift
     }
 
@@ -362,6 +405,8 @@ impl EquilibriumSolver for NativeSolver {
         self.times.assembly += assembled - start;
         self.times.factorization += cpu_seconds() - assembled;
         self.linearized = negative.is_some();
+        self.is_stable =
+            negative.is_some_and(|negative| negative <= system.stable_negative_pivots());
         Ok(negative.unwrap_or(system.stable_negative_pivots() + 1))
     }
 
@@ -425,6 +470,22 @@ mod tests {
             report.iterations
         });
         assert!(tangents[1] < tangents[0], "{tangents:?}");
+    }
+
+    /// From one state to the next without a tangent between: the one of the last state serves.
+    #[test]
+    fn factor_of_the_last_state_reaches_the_next_one() {
+        let mut chain = Chain::hardening(20, 0.625);
+        let mut solver = NativeSolver::new(chain.pattern()).unwrap();
+        let settings = NewtonSettings { chord_contraction: 0.9, ..NewtonSettings::default() };
+        let mut x = [0.0; 20];
+        assert_eq!(solver.linearize(&mut chain, &x).unwrap(), 0);
+        let report = solver.solve(&mut chain, &mut x, &settings).unwrap();
+        assert_eq!((report.ending, report.iterations), (NewtonEnding::Converged, 0));
+        // As above.
+        for (index, x) in x.iter().enumerate() {
+            assert!((x - 0.5 * (index + 1) as f64).abs() <= 1e-7, "{x}");
+        }
     }
 
     #[test]

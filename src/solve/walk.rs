@@ -4,7 +4,7 @@ use std::ops::{ControlFlow, Range};
 
 use super::bordered::{self, Constraint};
 use super::ending::Ending;
-use super::hermite::{cubic_step, tangent_step, work_between, work_by_conjugate};
+use super::hermite::{work_between, work_by_conjugate};
 use super::krylov::solve_unsymmetric;
 use super::past::Past;
 use super::path::{PathPoint, PathSettings};
@@ -400,7 +400,11 @@ impl Walk<'_> {
             if self.stop.is_wanted() {
                 return Ok(Err(Ending::Interrupted.into()));
             }
-            let newton = NewtonSettings { most_shifted, ..self.settings.newton };
+            let mut newton = NewtonSettings { most_shifted, ..self.settings.newton };
+            if most_shifted == usize::MAX {
+                // What jumps is known by its tangents on the way.
+                newton.chord_contraction = 0.0;
+            }
             let report = self.solve(drive, &mut state, &newton)?;
             self.shifted += report.shifted;
             if self.spent > self.settings.iteration_budget {
@@ -512,50 +516,6 @@ impl Walk<'_> {
     pub(super) fn last(&self) -> &PathPoint {
         self.points.last().expect("the start is accepted first")
     }
-
-    /// The best by the size of their residual of tangent, cubic, and cubic to what is known ahead, where that is to be looked at; the
-    /// last state where none is admissible.
-    pub(super) fn prediction(&mut self, drive: f64, looks_ahead: bool) -> State {
-        let last = self.last();
-        let step = drive - last.drive;
-        let mut candidates = vec![tangent_step(last, step)];
-        if let [.., before, last] = self.points.as_slice()
-            && last.snap.is_none()
-        {
-            candidates.push(cubic_step(before, last, step));
-        }
-        let distance = |ahead: &&PathPoint| (ahead.drive - last.drive).abs();
-        let nearest = self.ahead.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        if let Some(ahead) = nearest.filter(|_| looks_ahead) {
-            candidates.push(cubic_step(ahead, last, step));
-        }
-        let start = State { x: last.x.clone(), load: last.load };
-        best_prediction(self.system, start, candidates)
-    }
-}
-
-/// The admissible one of `steps` (of state and load) from `start` with the smallest residual; `start` where none is.
-pub(super) fn best_prediction(
-    system: &mut dyn LoadedSystem,
-    start: State,
-    steps: Vec<(Vec<f64>, f64)>,
-) -> State {
-    let mut best = start.clone();
-    let mut residual = vec![0.0; start.x.len()];
-    let mut smallest = f64::INFINITY;
-    for (dx, dload) in steps {
-        let length = system.longest_step(&start.x, &dx);
-        let x: Vec<f64> = start.x.iter().zip(&dx).map(|(x, dx)| x + length * dx).collect();
-        let load = start.load + length * dload;
-        system.set_load(load);
-        if system.residual(&x, &mut residual).is_ok() {
-            let size = dot(&residual, &residual);
-            if size < smallest {
-                (smallest, best) = (size, State { x, load });
-            }
-        }
-    }
-    best
 }
 
 /// Indefinite tangents on the way to an equilibrium after which a smaller step is tried: barriers that fold about each other
