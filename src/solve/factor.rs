@@ -5,7 +5,8 @@ use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
+    factorize_symbolic_cholesky,
+    supernodal::{SupernodalLdltRef, SymbolicSupernodalCholesky},
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
@@ -67,9 +68,7 @@ impl LdlFactor {
                 Spec::default(),
             )
             .ok()?;
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
-            unreachable!("the supernodal factorisation is asked for");
-        };
+        let symbolic = self.supernodes();
         let factor = SupernodalLdltRef::new(symbolic, &self.values);
         let mut negative = 0;
         for s in 0..symbolic.n_supernodes() {
@@ -83,6 +82,24 @@ impl LdlFactor {
             }
         }
         Some(negative)
+    }
+
+    /// Additions and multiplications of a factorisation: for each column the square of what is stored below its pivot.
+    pub(super) fn operations(&self) -> f64 {
+        let symbolic = self.supernodes();
+        let columns = (0..symbolic.n_supernodes()).flat_map(|s| {
+            let width = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
+            let below = symbolic.supernode(s).pattern().len();
+            (0..width as usize).map(move |k| (below + k) as f64)
+        });
+        columns.map(|below| below * below).sum()
+    }
+
+    fn supernodes(&self) -> &SymbolicSupernodalCholesky<u32> {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            unreachable!("the supernodal factorisation is asked for");
+        };
+        symbolic
     }
 
     /// Solves with the last factor; `b [n]` is overwritten.
@@ -105,5 +122,22 @@ fn view(pattern: &SparsityPattern) -> SymbolicSparseColMatRef<'_, u32> {
 impl std::fmt::Debug for LdlFactor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("LdlFactor").field("order", &self.pattern.order()).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A full matrix of order n: the sum of the squares below n, `(n - 1) n (2 n - 1) / 6`.
+    #[test]
+    fn operations_of_a_full_matrix() {
+        let n = 30_u32;
+        let pattern = SparsityPattern {
+            column_starts: (0..=n).map(|column| column * n).collect(),
+            row_indices: (0..n).flat_map(|_| 0..n).collect(),
+        };
+        let exact = f64::from((n - 1) * n * (2 * n - 1) / 6);
+        assert_eq!(LdlFactor::new(&pattern).unwrap().operations(), exact);
     }
 }

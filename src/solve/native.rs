@@ -87,6 +87,12 @@ impl NativeSolver {
         })
     }
 
+    /// Additions and multiplications of one factorisation.
+    #[must_use]
+    pub fn factor_operations(&self) -> f64 {
+        self.factor.operations()
+    }
+
     fn iterate(
         &mut self,
         system: &mut Observed<'_>,
