@@ -14,6 +14,7 @@ use pneumorph::io::tetgen::TetGen;
 use pneumorph::math::random::{Purpose, Stream};
 use pneumorph::mesh::tetrahedra::{TetMesher, TetSettings, Unfilled, filled_wall};
 use pneumorph::mesh::{MeshSettings, WallSettings, surface_of_field, wall_surfaces};
+use pneumorph::surface::MidSurface;
 
 /// Of the walls, mm.
 const THICKNESS: f64 = 1.6;
@@ -41,10 +42,10 @@ fn main() {
         let network = CompiledNetwork::new(&paper.express(&genome));
         let field = CappedField::new(network, DesignBox::default(), settings.rim_radius).unwrap();
         let Ok(middle) = surface_of_field(&field, &settings) else { continue };
+        let middle = MidSurface::uniform(middle, THICKNESS).unwrap();
         let start = Instant::now();
-        let surfaces = |edge| {
-            wall_surfaces(&middle, THICKNESS, &WallSettings { edge, ..WallSettings::default() })
-        };
+        let surfaces =
+            |edge| wall_surfaces(&middle, &WallSettings { edge, ..WallSettings::default() });
         let filled = filled_wall(&surfaces, meshers, &TetSettings::for_wall(THICKNESS, edge));
         seconds.push(start.elapsed().as_secs_f64());
         let (ending, attempts, words) = match filled {

@@ -25,7 +25,7 @@ use pneumorph::mesh::{
     MeshSettings, ShellSettings, WallSettings, WallSurfaces, shell_of_field, surface_of_field,
     wall_surfaces,
 };
-use pneumorph::surface::{SignedDistance, TriangleMesh};
+use pneumorph::surface::{MidSurface, TriangleMesh};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
@@ -109,11 +109,11 @@ fn figures(mid: &TriangleMesh, edge: f64) -> Result<Figures, Rejected> {
     let thickness = ShellSettings::default().thickness;
     let settings = WallSettings { edge, ..WallSettings::default() };
     let start = cpu_seconds();
-    let WallSurfaces { outer, chamber } = wall_surfaces(mid, thickness, &settings)?;
+    let middle = MidSurface::uniform(mid.clone(), thickness)?;
+    let WallSurfaces { outer, chamber } = wall_surfaces(&middle, &settings)?;
     let seconds = cpu_seconds() - start;
     let faces = outer.joined(&chamber);
-    let distance = SignedDistance::new(mid)?;
-    let excess = |point: Vec3| distance.value(point).abs() - 0.5 * thickness;
+    let excess = |point: Vec3| middle.distance().value(point).abs() - 0.5 * thickness;
     let corners = || (0..faces.triangles.len()).map(|t| faces.corners(t));
     let handles = mid.genus() as f64;
     let curved = std::f64::consts::PI * thickness.powi(3) / 3.0 * (1.0 - handles);

@@ -154,6 +154,11 @@ pub enum NetworkError {
         /// A near name, as a clause, or nothing.
         hint: String,
     },
+    /// The output is left out, and the last node is one of the wall.
+    #[error(
+        "node `{0}`, the last one, is the output where none is named, but [wall] names it too; name the `output`"
+    )]
+    OutputOfWall(String),
     /// A node that depends on itself.
     #[error("the links form a cycle: {0}")]
     Cycle(String),
@@ -261,7 +266,13 @@ impl TryFrom<NetworkDraft> for Network {
         };
         let output = match &draft.output {
             Some(name) => named(name)?,
-            None => nodes.len().checked_sub(1).ok_or(NetworkError::Empty)?,
+            None => {
+                let last = nodes.len().checked_sub(1).ok_or(NetworkError::Empty)?;
+                if [wall.thickness, wall.material].contains(&Some(last)) {
+                    return Err(NetworkError::OutputOfWall(nodes[last].name.clone()));
+                }
+                last
+            }
         };
         let order = evaluation_order(&nodes)?;
         let network =
@@ -484,6 +495,12 @@ mod tests {
             (
                 "output = 'b'\n".to_owned() + &node("a", "{ x = 1 }"),
                 "output `b` is not a node; did you mean `a`?",
+            ),
+            (
+                "[wall]\nmaterial = 'b'\n".to_owned()
+                    + &node("a", "{ x = 1 }")
+                    + &node("b", "{ y = 1 }"),
+                "node `b`, the last one, is the output where none is named, but [wall] names it too",
             ),
             (
                 "length_unit_mm = 0\n".to_owned() + &node("a", "{ x = 1 }"),

@@ -1,7 +1,7 @@
 //! Curved cells: edge midpoints on the faces of a wall, moved onto the true faces.
 //!
 //! ```text
-//! x <- x - (d(x) - d_face) grad d(x)        d: signed distance to the middle of the wall, d_face = -t/2 or t/2
+//! x <- x - g(x) grad g(x)        g: signed distance to a face of the wall
 //! ```
 //!
 //! Flat facets cut corners: a wall between them bends about a tenth less than the smooth one where their edges are as long as it is
@@ -11,11 +11,10 @@
 use std::collections::BTreeSet;
 
 use super::{SolidMesh, quadratic_slopes};
-use crate::field::ScalarField;
 use crate::math::Vec3;
-use crate::surface::SignedDistance;
+use crate::surface::{MidSurface, WallFace};
 
-/// How near the ends of an edge must lie to the face for its midpoint to be moved, and where it must arrive, in thicknesses.
+/// How near the ends of an edge must lie to the face for its midpoint to be moved, and where it must arrive, in thicknesses of the wall where it is thinnest.
 const ON_FACE: f64 = 0.05;
 /// The furthest that a midpoint may move, in edge lengths: an arc of a right angle has 0.2.
 const FURTHEST: f64 = 0.2;
@@ -27,21 +26,19 @@ const HALVINGS: usize = 5;
 const LEAST_VOLUME: f64 = 0.25;
 
 impl SolidMesh {
-    /// Moves the edge midpoints on the faces of a wall of `thickness` (mm) onto them; returns how many are curved now.
-    ///
-    /// `middle` is the distance to the middle of the wall.
-    pub fn curve(&mut self, middle: &SignedDistance, thickness: f64) -> usize {
+    /// Moves the edge midpoints on the faces of the wall around a `middle` onto them; returns how many are curved now.
+    pub fn curve(&mut self, middle: &MidSurface) -> usize {
         let straight = self.positions.clone();
         let mut moved = BTreeSet::new();
-        let faces = [(&self.chamber, -0.5 * thickness), (&self.outer, 0.5 * thickness)];
+        let faces = [(&self.chamber, WallFace::Chamber), (&self.outer, WallFace::Outer)];
         let mut targets = Vec::new();
-        for (faces, level) in faces {
+        for (faces, side) in faces {
             for face in faces {
                 for (k, [a, b]) in super::FACE_EDGES.into_iter().enumerate() {
                     let node = face[3 + k];
                     if moved.insert(node) {
                         let ends = [face[a], face[b]].map(|v| straight[v as usize]);
-                        targets.push((node, on_face(middle, level, thickness, ends)));
+                        targets.push((node, on_face(middle, side, ends)));
                     }
                 }
             }
@@ -88,16 +85,17 @@ impl SolidMesh {
 }
 
 /// The point of the face beside the middle of an edge; none where the edge does not lie on the face, or the point is far.
-fn on_face(middle: &SignedDistance, level: f64, thickness: f64, [a, b]: [Vec3; 2]) -> Option<Vec3> {
-    let is_on_face = |x: Vec3| (middle.value(x) - level).abs() <= ON_FACE * thickness;
+fn on_face(middle: &MidSurface, side: WallFace, [a, b]: [Vec3; 2]) -> Option<Vec3> {
+    let [thinnest, _] = middle.thickness_range();
+    let is_on_face = |x: Vec3| middle.from_face(side, x).0.abs() <= ON_FACE * thinnest;
     if !is_on_face(a) || !is_on_face(b) {
         return None;
     }
     let start = 0.5 * (a + b);
     let mut x = start;
     for _ in 0..STEPS {
-        let (distance, gradient) = middle.value_and_gradient(x);
-        x -= (distance - level) * gradient;
+        let (distance, gradient) = middle.from_face(side, x);
+        x -= distance * gradient;
     }
     let is_near = (x - start).norm() <= FURTHEST * (b - a).norm();
     (is_near && is_on_face(x)).then_some(x)
@@ -163,11 +161,11 @@ mod tests {
     #[test]
     fn curved_faces_follow_the_sphere() {
         let (radius, thickness) = (10.0, 1.6);
-        let middle = SignedDistance::new(&TriangleMesh::sphere(radius, 5)).unwrap();
+        let middle = MidSurface::uniform(TriangleMesh::sphere(radius, 5), thickness).unwrap();
         let errors = [2, 3].map(|subdivisions| {
             let mut mesh = hollow_sphere(radius, thickness, subdivisions);
             let midpoints = 2 * 3 * mesh.chamber.len() / 2;
-            assert_eq!(mesh.curve(&middle, thickness), midpoints);
+            assert_eq!(mesh.curve(&middle), midpoints);
             let volume = volume_of(&mesh);
             let exact = 4.0 / 3.0 * PI * ((radius + 0.8_f64).powi(3) - (radius - 0.8_f64).powi(3));
             (volume / exact - 1.0).abs()
@@ -205,7 +203,7 @@ mod tests {
     #[test]
     fn distorted_cells_are_held_back() {
         let (radius, thickness) = (10.0, 0.3);
-        let middle = SignedDistance::new(&TriangleMesh::sphere(radius, 4)).unwrap();
+        let middle = MidSurface::uniform(TriangleMesh::sphere(radius, 4), thickness).unwrap();
         let mut mesh = hollow_sphere(radius, thickness, 1);
         mesh.outer.clear();
         let straight = mesh.clone();
@@ -215,7 +213,7 @@ mod tests {
             *place *= (radius - 0.5 * thickness) / place.norm();
         }
         assert!(whole.tetrahedra.iter().any(|cell| !is_sound(cell, &whole.positions)));
-        mesh.curve(&middle, thickness);
+        mesh.curve(&middle);
         assert!(mesh.tetrahedra.iter().all(|cell| is_sound(cell, &mesh.positions)));
         assert_ne!(mesh.positions, straight.positions);
     }

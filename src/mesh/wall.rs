@@ -1,8 +1,8 @@
-//! The two faces of a wall of constant thickness around its middle.
+//! The two faces of a wall around its middle.
 //!
 //! ```text
-//! outer: d = t / 2      chamber: d = -t / 2      d: signed distance to the mid-surface
-//! V = A t + t^3 / 12 int K dA                    where no folds meet; int K dA = 4 pi without handles
+//! outer: d = t / 2      chamber: d = -t / 2      d: signed distance to the mid-surface, t: thickness, where it varies see MidSurface
+//! V = A t + t^3 / 12 int K dA                    of one thickness, where no folds meet; int K dA = 4 pi without handles
 //! ```
 //! Folds that overlap merge, as a printer would merge them: faces of levels never pass through themselves. Where the triangles
 //! cannot follow a face, between folds that nearly touch and in the wedge where they begin to merge, the gaps that a small ball
@@ -17,7 +17,7 @@ use super::from_field::{GRID_SHARE, REMESH_ITERATIONS};
 use crate::field::{GridSamples, ScalarField};
 use crate::math::{Reason, Rejected, Room};
 use crate::surface::{
-    Filleted, Grading, Offset, RemeshSettings, SignedDistance, TriangleMesh,
+    Filleted, Grading, MidSurface, Offset, RemeshSettings, SignedDistance, TriangleMesh, WallFace,
     interpolated_isosurface, intersecting_pairs, remesh_graded,
 };
 
@@ -38,7 +38,7 @@ impl Default for WallSettings {
     }
 }
 
-/// The faces of the wall of `thickness` (mm) around `mid`, a closed surface: closed, without self-intersections, apart.
+/// The faces of the wall around its `middle`: closed, without self-intersections, apart.
 ///
 /// Pieces of the chamber, and pockets outside that the wall encloses, become solid when they are smaller than 1 % of the
 /// volume: air does not reach them, and no printer could clear them. Neither do passages connect that a fillet fills.
@@ -53,43 +53,39 @@ impl Default for WallSettings {
 /// 0.1 % at edges of 2, 3 and 4 mm. That costs a quarter more triangles. The volume is 0.5 % below Steiner's, by merging.
 ///
 /// # Errors
-/// [`Rejected`] with the reason `defective_surface` or `self_intersecting` when `mid` has no inside; `chamber_closed` when it is nowhere
+/// [`Rejected`] with the reason `self_intersecting` when the middle has no inside; `chamber_closed` when it is nowhere
 /// as far from its middle as the wall is thick (the violation is the share of that depth that lacks), `chamber_divided` or
 /// `enclosed_pocket` when larger pieces are cut off (their share of the volume), `wall_broken` when the triangles' chords leave
 /// less than a quarter of the wall on either side of its middle, or the faces pass through each other (the share that lacks);
 /// and as `remesh` does when triangles of this edge cannot follow a face.
 ///
 /// # Panics
-/// When the thickness, the edge or the fillet is not a positive number.
+/// When the edge or the fillet is not a positive number.
 pub fn wall_surfaces(
-    mid: &TriangleMesh,
-    thickness: f64,
+    middle: &MidSurface,
     settings: &WallSettings,
 ) -> Result<WallSurfaces, Rejected> {
     let WallSettings { edge, fillet } = *settings;
     let is_length = |x: f64| x > 0.0 && x.is_finite();
-    assert!(is_length(thickness), "the thickness must be a positive number, not {thickness}");
     assert!(is_length(edge) && is_length(fillet), "{settings:?} must be positive numbers");
-    let distance = SignedDistance::new(mid)?;
-    let crossings = intersecting_pairs(mid).len();
+    let crossings = intersecting_pairs(middle.mesh()).len();
     if crossings > 0 {
         let detail = format!("{crossings} pairs of triangles of the mid-surface cross");
-        let share = crossings as f64 / mid.triangles.len() as f64;
+        let share = crossings as f64 / middle.mesh().triangles.len() as f64;
         return Err(rejected(Reason::SelfIntersecting, detail, share));
     }
-    let face = |offset| Face { distance: &distance, offset, edge, fillet };
-    let chamber = face(-0.5 * thickness).surface()?;
-    let outer = face(0.5 * thickness).surface()?;
+    let face = |face| Face { middle, face, edge, fillet };
+    let chamber = face(WallFace::Chamber).surface()?;
+    let outer = face(WallFace::Outer).surface()?;
     let surfaces = WallSurfaces { outer, chamber };
-    check_whole(&surfaces, &distance, thickness)?;
+    check_whole(&surfaces, middle)?;
     Ok(surfaces)
 }
 
 /// One face of a wall.
 struct Face<'a> {
-    distance: &'a SignedDistance,
-    /// From the middle, mm; positive for the outer face.
-    offset: f64,
+    middle: &'a MidSurface,
+    face: WallFace,
     edge: f64,
     fillet: f64,
 }
@@ -97,7 +93,7 @@ struct Face<'a> {
 impl Face<'_> {
     /// The level itself; where triangles cannot follow it, with fillets, then with shorter edges too, then with larger fillets.
     fn surface(&self) -> Result<TriangleMesh, Rejected> {
-        let plain = self.meshed(&self.level(self.offset), self.edge);
+        let plain = self.meshed(&self.level(0.0), self.edge);
         match plain {
             Err(rejection) if rejection.reason != Reason::ChamberClosed => {}
             plain => return plain,
@@ -115,58 +111,68 @@ impl Face<'_> {
 
     /// The distance to the level farther from the middle by `radius`.
     fn core(&self, radius: f64) -> Result<SignedDistance, Rejected> {
-        let offset = self.offset + radius.copysign(self.offset);
-        let core = self.main_piece(&self.level(offset), offset, CORE_STEP * radius)?;
+        let core = self.main_piece(&self.level(radius), radius, CORE_STEP * radius)?;
         Ok(SignedDistance::new(&core)?)
     }
 
     fn filleted<'b>(&'b self, core: &'b SignedDistance, radius: f64) -> Filleted<'b> {
         let chord_error = CHORD_ERROR * CORE_STEP * radius;
-        Filleted { offset: self.level(self.offset), core, radius, chord_error }
+        Filleted { offset: self.level(0.0), core, radius, chord_error }
     }
 
-    fn level(&self, offset: f64) -> Offset<'_> {
-        Offset { distance: self.distance, offset, band: 2.0 * self.edge }
+    /// The level that is `beyond` (mm) farther from the middle than the face.
+    fn level(&self, beyond: f64) -> Offset<'_> {
+        let Self { middle, face, edge, .. } = *self;
+        Offset { middle, face, beyond, band: 2.0 * edge }
     }
 
     fn meshed(&self, field: &dyn ScalarField, edge: f64) -> Result<TriangleMesh, Rejected> {
         let step = (GRID_SHARE * edge).min(CORE_STEP * self.fillet);
-        let coarse = self.main_piece(field, self.offset, step)?;
+        let coarse = self.main_piece(field, 0.0, step)?;
         let settings = RemeshSettings { edge, iterations: REMESH_ITERATIONS };
-        let grading =
-            Grading { shortest: SHORTEST * edge, chord_error: CHORD_SHARE * self.offset.abs() };
+        let [thinnest, _] = self.middle.thickness_range();
+        let chord_error = CHORD_SHARE * 0.5 * thinnest;
+        let grading = Grading { shortest: SHORTEST * edge, chord_error };
         let named =
             |r: Rejected| Rejected { detail: format!("{}: {}", self.name(), r.detail), ..r };
         remesh_graded(&coarse, field, &settings, &grading).map_err(named)
     }
 
-    /// The largest piece of the zero level of `field`, which lies at `offset` or nearer, from a lattice of `step` mm.
+    /// The largest piece of the zero level of `field`, at most `beyond` (mm) farther from the middle than the face, from a lattice of
+    /// `step` mm.
     fn main_piece(
         &self,
         field: &dyn ScalarField,
-        offset: f64,
+        beyond: f64,
         step: f64,
     ) -> Result<TriangleMesh, Rejected> {
-        let (lower, upper) = self.distance.bounds();
-        let (lower, upper) = (lower.add_scalar(-offset), upper.add_scalar(offset));
+        let (lower, upper) = self.middle.distance().bounds();
+        let [thinnest, thickest] = self.middle.thickness_range();
+        let grown = match self.face {
+            WallFace::Outer => 0.5 * thickest + beyond,
+            WallFace::Chamber => -0.5 * thinnest - beyond,
+        };
+        let (lower, upper) = (lower.add_scalar(-grown), upper.add_scalar(grown));
         if (0..3).any(|axis| lower[axis] >= upper[axis]) {
-            return Err(self.closed(offset));
+            return Err(self.closed(beyond));
         }
         let (lower, upper) = (lower.add_scalar(-step), upper.add_scalar(step));
         let pieces = interpolated_isosurface(field, lower, upper, step);
         let volumes = pieces.component_volumes();
         let by_volume = |&a: &usize, &b: &usize| volumes[a].total_cmp(&volumes[b]);
         let Some(main) = (0..volumes.len()).max_by(by_volume) else {
-            return Err(self.closed(offset));
+            return Err(self.closed(beyond));
         };
         let lesser = volumes.iter().map(|v| v.abs()).sum::<f64>() - volumes[main];
         let share = lesser / (lesser + volumes[main]);
         if share > MOST_CUT_OFF {
-            let outside = self.offset > 0.0;
-            let reason = if outside { Reason::EnclosedPocket } else { Reason::ChamberDivided };
+            let reason = match self.face {
+                WallFace::Outer => Reason::EnclosedPocket,
+                WallFace::Chamber => Reason::ChamberDivided,
+            };
             let detail = format!(
                 "passages narrower than {:.1} mm cut off {} pieces of the {}, {:.1} % of the volume",
-                2.0 * (offset - self.offset).abs(),
+                2.0 * beyond,
                 volumes.len() - 1,
                 self.name(),
                 100.0 * share
@@ -176,41 +182,43 @@ impl Face<'_> {
         Ok(pieces.component(main as u32))
     }
 
-    fn closed(&self, offset: f64) -> Rejected {
-        let (lower, upper) = self.distance.bounds();
+    fn closed(&self, beyond: f64) -> Rejected {
+        let distance = self.middle.distance();
+        let (lower, upper) = distance.bounds();
         let step = (upper - lower).max() / DEPTH_SAMPLES;
         let counts = std::array::from_fn(|axis| ((upper - lower)[axis] / step) as usize + 1);
-        let samples = GridSamples::of(self.distance, lower, step, counts);
+        let samples = GridSamples::of(distance, lower, step, counts);
         let depth = -samples.values.iter().copied().fold(0.0, f64::min);
-        let detail = format!("the middle of the wall is {depth:.2} mm deep, not {:.2} mm", -offset);
-        rejected(Reason::ChamberClosed, detail, (1.0 + depth / offset).max(0.0))
+        let [_, thickest] = self.middle.thickness_range();
+        let wanted = 0.5 * thickest + beyond;
+        let detail = format!("the middle of the wall is {depth:.2} mm deep, not {wanted:.2} mm");
+        rejected(Reason::ChamberClosed, detail, (1.0 - depth / wanted).max(0.0))
     }
 
     fn name(&self) -> &str {
-        if self.offset > 0.0 { "outside" } else { "chamber" }
+        match self.face {
+            WallFace::Outer => "outside",
+            WallFace::Chamber => "chamber",
+        }
     }
 }
 
 /// # Errors
 /// [`Rejected`] when the faces touch, or a facet of either is too near the middle of the wall.
-fn check_whole(
-    surfaces: &WallSurfaces,
-    distance: &SignedDistance,
-    thickness: f64,
-) -> Result<(), Rejected> {
+fn check_whole(surfaces: &WallSurfaces, middle: &MidSurface) -> Result<(), Rejected> {
     let WallSurfaces { outer, chamber } = surfaces;
-    let least = |mesh: &TriangleMesh, side: f64| {
+    let least = |mesh: &TriangleMesh, face: WallFace| {
         let of_facet = |t| {
             let [a, b, c] = mesh.corners(t);
             let points = [(a + b + c) / 3.0, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
             points
-                .map(|point| side * distance.value(point))
+                .map(|point| face.sign() * middle.relative_height(point))
                 .into_iter()
                 .fold(f64::INFINITY, f64::min)
         };
         (0..mesh.triangles.len()).map(of_facet).fold(f64::INFINITY, f64::min)
     };
-    let share = least(outer, 1.0).min(least(chamber, -1.0)) / (0.5 * thickness);
+    let share = least(outer, WallFace::Outer).min(least(chamber, WallFace::Chamber));
     if share < LEAST_SHARE {
         let detail = format!(
             "the faces come within {share:.2} half thicknesses of the middle of the wall, {LEAST_SHARE} allowed"
@@ -259,6 +267,10 @@ mod tests {
     use crate::surface::isosurface;
     use crate::surface::test_fields::Analytic;
 
+    fn faces(mid: &TriangleMesh, thickness: f64, edge: f64) -> Result<WallSurfaces, Rejected> {
+        wall_surfaces(&MidSurface::uniform(mid.clone(), thickness).unwrap(), &settings(edge))
+    }
+
     fn settings(edge: f64) -> WallSettings {
         WallSettings { edge, ..WallSettings::default() }
     }
@@ -280,7 +292,7 @@ mod tests {
             a.dot(&(b - a).cross(&(c - a)).normalize())
         };
         let sag = 8.0 - (0..mid.triangles.len()).map(height).fold(8.0, f64::min);
-        let surfaces = wall_surfaces(&mid, 1.6, &settings(1.5)).unwrap();
+        let surfaces = faces(&mid, 1.6, 1.5).unwrap();
         for (mesh, radius) in [(&surfaces.outer, 8.8), (&surfaces.chamber, 7.2)] {
             assert_eq!(mesh.check_closed_manifold(), Ok(()));
             for p in &mesh.positions {
@@ -299,11 +311,46 @@ mod tests {
         let mut mid = TriangleMesh::sphere(1.0, 4);
         mid.positions.iter_mut().for_each(|p| p.component_mul_assign(&Vec3::new(9.0, 7.0, 8.0)));
         let thickness: f64 = 6.0;
-        let surfaces = wall_surfaces(&mid, thickness, &settings(1.2)).unwrap();
+        let surfaces = faces(&mid, thickness, 1.2).unwrap();
         let second = PI * thickness.powi(3) / 3.0;
         let steiner = mid.area() * thickness + second;
         // A tenth of the second term; chords of 1.2 mm are worth 0.2 % of the volume.
         assert_relative_eq!(volume(&surfaces), steiner, epsilon = 0.1 * second);
+    }
+
+    /// The faces of a wall whose thickness varies enclose what the envelopes of its balls do: profiles `(rho, z)` turned about the axis.
+    #[test]
+    fn a_wall_of_varying_thickness_has_its_volume() {
+        let radius = 8.0;
+        let mid = TriangleMesh::sphere(radius, 4);
+        let half = |z: f64| 0.9 + 0.04 * z;
+        let thickness: Vec<f64> = mid.positions.iter().map(|p| 2.0 * half(p.z)).collect();
+        let middle = MidSurface::new(mid, &thickness).unwrap();
+        let surfaces = wall_surfaces(&middle, &settings(1.2)).unwrap();
+        let exact = |sign: f64| {
+            let profile = |k: usize| {
+                let (sin, cos) = (PI * k as f64 / 4000.0).sin_cos();
+                let (h, slope) = (half(radius * cos), -0.04 * sin);
+                let out = radius + sign * h * (1.0 - slope * slope).sqrt();
+                [out * sin - h * slope * cos, out * cos + h * slope * sin]
+            };
+            let slice = |k: usize| {
+                let ([a, high], [b, low]) = (profile(k), profile(k + 1));
+                PI / 3.0 * (a * a + a * b + b * b) * (high - low)
+            };
+            (0..4000).map(slice).sum::<f64>()
+        };
+        // Chords of h = 1.2 mm take 3 h^2 / 8 R^2 of a ball: 0.7 % outside and 1.1 % within; those of the middle, of 0.6 mm, 0.2 %.
+        assert_relative_eq!(surfaces.outer.volume(), exact(1.0), max_relative = 0.01);
+        assert_relative_eq!(surfaces.chamber.volume(), exact(-1.0), max_relative = 0.014);
+        // At its ends the wall is as thick as is asked for there.
+        for (mesh, sign) in [(&surfaces.outer, 1.0), (&surfaces.chamber, -1.0)] {
+            let (lower, upper) = mesh.bounding_box().unwrap();
+            for (end, z) in [(upper.z, radius), (-lower.z, -radius)] {
+                // A vertex is at most half an edge from the axis, and the sphere is 0.02 mm lower there.
+                assert!((end - radius - sign * half(z)).abs() < 0.03, "{end}");
+            }
+        }
     }
 
     /// A bellows with folds of 1.8 mm: walls of 1.6 mm fill its grooves. The volume is counted on a grid as well.
@@ -315,7 +362,7 @@ mod tests {
         };
         let (mid, thickness) = (level(bellows, 0.4), 1.6);
         let distance = SignedDistance::new(&mid).unwrap();
-        let surfaces = wall_surfaces(&mid, thickness, &settings(1.5)).unwrap();
+        let surfaces = faces(&mid, thickness, 1.5).unwrap();
         assert!(intersecting_pairs(&surfaces.outer.joined(&surfaces.chamber)).is_empty());
         for p in &surfaces.outer.positions {
             // A vertex may be left where it was when it is within 5 % of an edge.
@@ -335,7 +382,7 @@ mod tests {
         let ball = |p: Vec3, x: f64, radius: f64| (p - Vec3::new(x, 0.0, 0.0)).norm() - radius;
         let tube = |p: Vec3, radius: f64| p.y.hypot(p.z) - radius;
         let rejected = |mid: &TriangleMesh, thickness, reason: Reason, violation: f64| {
-            let rejection = wall_surfaces(mid, thickness, &settings(1.5)).unwrap_err();
+            let rejection = faces(mid, thickness, 1.5).unwrap_err();
             assert_eq!(rejection.reason, reason, "{rejection}");
             // Gaps are judged where the middle of a ball of 0.4 mm can be: 1.2 mm from the mid-surface. The lattice of 0.6 mm loses
             // up to 4 % of a small ball's radius.
@@ -357,7 +404,7 @@ mod tests {
         let balls = TriangleMesh::sphere(5.0, 3);
         let mut moved = balls.clone();
         moved.positions.iter_mut().for_each(|p| p.x += 7.0);
-        let rejection = wall_surfaces(&balls.joined(&moved), 1.6, &settings(1.5)).unwrap_err();
+        let rejection = faces(&balls.joined(&moved), 1.6, 1.5).unwrap_err();
         assert_eq!(rejection.reason, Reason::SelfIntersecting);
     }
 }

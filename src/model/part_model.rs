@@ -27,7 +27,7 @@ use super::system::{
 };
 use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
-use crate::surface::TriangleMesh;
+use crate::surface::{MeshDefect, MidSurface};
 
 /// The energy of a loaded part over the displacements of its nodes.
 #[derive(Clone, Debug)]
@@ -223,14 +223,18 @@ impl PartModel {
         high - low
     }
 
-    /// The surface at rest that carries pressure and contact, in facets of about `edge` (mm): of a Loop shell its limit surface, of
-    /// quadratic pieces.
-    #[must_use]
-    pub fn rest_surface(&self, edge: f64) -> TriangleMesh {
+    /// The surface at rest that carries pressure and contact, in facets of about `edge` (mm), as the middle of the wall: of a Loop shell
+    /// its limit surface, of quadratic pieces. The facets of each triangle of the mesh follow each other.
+    ///
+    /// # Errors
+    /// [`MeshDefect`] unless the surface is closed.
+    pub fn mid_surface(&self, edge: f64) -> Result<MidSurface, MeshDefect> {
         let Body { reference, surface, .. } = &self.body;
-        let coarse = surface.quadratic(reference, 1);
+        let (coarse, _) = surface.quadratic(reference, 1);
         let mean = (coarse.area() / (0.433 * coarse.triangles.len() as f64)).sqrt();
-        surface.quadratic(reference, (mean / edge).ceil().max(2.0) as usize)
+        let n = (mean / edge).ceil().max(2.0) as usize;
+        let (fine, thickness) = surface.quadratic(reference, n);
+        MidSurface::new(fine, &thickness)
     }
 
     /// The share of the wall whose bending is softened because it folds tighter than its thickness allows.

@@ -100,11 +100,15 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::{WallSettings, wall_surfaces};
     use crate::printing::test_shapes::{ball, cylinder};
+    use crate::surface::MidSurface;
     use crate::surface::isosurface;
     use crate::surface::test_fields::Analytic;
 
     fn disc(mid: &TriangleMesh) -> Result<BaseDisc, Rejected> {
-        let wall = wall_surfaces(mid, 1.6, &WallSettings { edge: 1.5, ..WallSettings::default() });
+        let wall = wall_surfaces(
+            &MidSurface::uniform(mid.clone(), 1.6).unwrap(),
+            &WallSettings { edge: 1.5, ..WallSettings::default() },
+        );
         Base { thickness: 1.6, height: 2.4 }.disc(&wall.unwrap())
     }
 

@@ -8,6 +8,7 @@
 
 mod air;
 mod base;
+mod bodies;
 mod bridge;
 mod inlet;
 mod opening;
@@ -20,6 +21,7 @@ mod thickness;
 mod voxels;
 
 pub use air::AirPaths;
+pub use bodies::{Bodies, LEAST_PIECE};
 pub use bridge::longest_bridge;
 pub use inlet::{Inlet, LEAST_WALL};
 pub use overhang::{BuildDirection, Overhang, overhang};

@@ -216,12 +216,13 @@ mod tests {
     use super::*;
     use crate::mesh::{WallSettings, wall_surfaces};
     use crate::printing::test_shapes::{ball, cylinder, polygon_area};
+    use crate::surface::MidSurface;
 
     const THICKNESS: f64 = 1.6;
 
     fn wall(mid: &TriangleMesh) -> WallSurfaces {
         let settings = WallSettings { edge: 1.5, ..WallSettings::default() };
-        wall_surfaces(mid, THICKNESS, &settings).unwrap()
+        wall_surfaces(&MidSurface::uniform(mid.clone(), THICKNESS).unwrap(), &settings).unwrap()
     }
 
     fn volume(wall: &WallSurfaces) -> f64 {

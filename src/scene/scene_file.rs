@@ -27,7 +27,7 @@ use crate::model::{FoldContact, PartSetup};
 use crate::scene::part::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PinSection, check_patch_pressure,
 };
-use crate::scene::part::solid_part::{ONE_THICKNESS, SolidSection};
+use crate::scene::part::solid_part::SolidSection;
 use crate::solve::{Backend, LinearMethod, PathSettings, Programme, Supply};
 
 /// A scene file.
@@ -279,8 +279,6 @@ impl SceneFile {
             for material in self.materials()? {
                 section.check_material(&material)?;
             }
-            let varies = self.regions.iter().any(|region| region.thickness.is_some());
-            ensure!(!varies && self.pattern()?.thickness.is_none(), ONE_THICKNESS);
         }
         let is_solid = self.solid.is_some() || self.part.tetrahedra.is_some();
         ensure!(

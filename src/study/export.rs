@@ -1,32 +1,34 @@
 //! `export`: a design as files for a printer, and what a printer would say of it.
 //!
 //! ```text
-//! part.stl  part.3mf      the wall with its inlet, one closed surface, mm
-//! printability.json       thickness, overhangs, bridges, trapped air, leaks, mass
+//! part.stl  part.3mf          the wall with its inlet, one closed surface, mm; of several materials the 3MF has a body for each
+//! part_1.stl  part_2.stl ..   of several materials: the body of each, which share their joints
+//! printability.json           thickness, overhangs, bridges, trapped air, leaks, mass
 //! ```
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::Serialize;
 
 use super::run_file::RunFile;
 use super::run_folder::RunFolder;
 use crate::evolve::IndividualId;
-use crate::field::{CappedField, CompiledNetwork};
+use crate::fitness::shell_of_network;
 use crate::genome::Network;
-use crate::io::three_mf::Model;
+use crate::io::three_mf::{Model, PrintBody};
 use crate::io::{OutputFolder, stl};
-use crate::math::Rejected;
-use crate::mesh::{WallSettings, WallSurfaces, shell_of_field, wall_surfaces};
+use crate::math::{Rejected, Vec3};
+use crate::mesh::tetrahedra::{MesherFailure, TetSettings, check};
+use crate::mesh::{TetMesh, WallSettings, WallSurfaces, wall_surfaces};
 use crate::model::{PartModel, PartSetup, Support};
-use crate::printing::{Inlet, PrintSettings, Printability, PrintedPart};
-use crate::scene::material::within;
+use crate::printing::{Bodies, Inlet, LEAST_PIECE, PrintSettings, Printability, PrintedPart};
+use crate::scene::material::{MaterialSection, within};
 use crate::scene::part::on_disk::read_network;
-use crate::scene::part::solid_part::middle;
+use crate::scene::part::solid_part::{material_at, meshers, middle};
 use crate::scene::pattern::PatternSection;
 use crate::scene::results::design_folder::write_json;
-use crate::surface::TriangleMesh;
+use crate::surface::{MidSurface, TriangleMesh};
 
 /// What is exported, and how.
 pub(crate) struct Export<'a> {
@@ -56,8 +58,19 @@ pub(crate) struct Report {
     triangles: usize,
     /// Edge length of the faces, mm.
     edge_mm: f64,
+    /// Of several materials, what each extruder prints.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    bodies: Vec<BodyReport>,
     #[serde(flatten)]
     printability: Printability,
+}
+
+/// The body of one material.
+#[derive(Debug, Serialize)]
+struct BodyReport {
+    file: String,
+    material: String,
+    volume_mm3: f64,
 }
 
 impl Export<'_> {
@@ -70,35 +83,65 @@ impl Export<'_> {
         OutputFolder::check_new(self.out)?;
         within("--density", self.print.density, 0.01, 30.0)?;
         let (name, network, run) = self.design()?;
-        ensure!(
-            run.pattern.is_none(),
-            "export writes one body of one thickness and material, and the run has a [pattern]"
-        );
-        PatternSection::check(None, &network).with_context(|| name.clone())?;
-        let thickness = run.wall.thickness;
-        let base_height = run.wall.clamp_height * thickness;
-        within("--edge", self.edge, 0.1, 20.0)?;
-        let most = 0.5 * thickness;
-        within("--voxel, which is to find leaks of the wall,", self.print.voxel, 0.05, most)?;
+        PatternSection::check(run.pattern.as_ref(), &network).with_context(|| name.clone())?;
         let refused = |rejected: Rejected| anyhow!("{name}: {rejected}");
-        let (wall, edge) = self.wall(&middle_of(&network, &run)?, thickness).map_err(refused)?;
-        let part = PrintedPart::new(&wall, thickness, base_height, &self.inlet).map_err(refused)?;
+        let settings = run.candidate_settings()?;
+        let shell = shell_of_network(&network, &settings).map_err(refused)?;
+        let setup = PartSetup::default();
+        let model = PartModel::new(&shell, &settings.materials(), &Support::Clamp, &setup);
+        let middle = middle(&model.map_err(refused)?, &shell.section)?;
+        let [thinnest, thickest] = shell.section.thickness_range();
+        let base_height = run.wall.clamp_height * run.wall.thickness;
+        within("--edge", self.edge, 0.1, 20.0)?;
+        let most = 0.5 * thinnest;
+        within("--voxel, which is to find leaks of the wall,", self.print.voxel, 0.05, most)?;
+        let (wall, edge) = self.wall(&middle).map_err(refused)?;
+        let part = PrintedPart::new(&wall, thickest, base_height, &self.inlet).map_err(refused)?;
         self.check_voxels(&part.surface)?;
-        let printability = Printability::of(&part, &self.print).map_err(refused)?;
+        let mut printability = Printability::of(&part, &self.print).map_err(refused)?;
+        let materials = materials_of(&run);
+        let bodies = if shell.section.last_material() > 0 {
+            let material = |x: Vec3| material_at(&shell, &middle, x);
+            let (bodies, warning) =
+                self.bodies(&part.surface, edge, &material).context(name.clone())?;
+            printability.warnings.extend(warning);
+            bodies
+        } else {
+            Vec::new()
+        };
 
         let folder = OutputFolder::create_new(self.out)?;
         stl::write(&folder.file("part.stl"), &part.surface)?;
         let inlet = self.inlet_words;
-        let material = run.material.name();
-        let description = format!("pneumatic actuator, wall of {thickness} mm, {inlet}");
-        let model = Model { name: &name, description: &description, material, mesh: &part.surface };
+        let wall = if thinnest < thickest {
+            format!("{thinnest:.2} to {thickest:.2}")
+        } else {
+            thickest.to_string()
+        };
+        let description = format!("pneumatic actuator, wall of {wall} mm, {inlet}");
+        let print = |(material, mesh)| PrintBody { material, mesh };
+        let mut report = Vec::new();
+        for (material, body) in bodies.iter().filter(|_| bodies.len() > 1) {
+            let (file, material) = (format!("part_{}.stl", material + 1), materials[*material]);
+            stl::write(&folder.file(&file), body)?;
+            let (material, volume_mm3) = (material.to_owned(), body.volume());
+            report.push(BodyReport { file, material, volume_mm3 });
+        }
+        let of_each: Vec<PrintBody<'_>> = match &bodies[..] {
+            [] => vec![print((materials[0], &part.surface))],
+            [(material, _)] => vec![print((materials[*material], &part.surface))],
+            bodies => bodies.iter().map(|(k, mesh)| print((materials[*k], mesh))).collect(),
+        };
+        let model = Model { name: &name, description: &description, bodies: &of_each };
         model.write(&folder.file("part.3mf"))?;
+        let names: Vec<&str> = of_each.iter().map(|body| body.material).collect();
         let report = Report {
             design: name.clone(),
-            material: material.to_owned(),
+            material: names.join(" and "),
             inlet: inlet.to_owned(),
             triangles: part.surface.triangles.len(),
             edge_mm: edge,
+            bodies: report,
             printability,
         };
         write_json(&folder.file("printability.json"), &report)?;
@@ -124,15 +167,48 @@ impl Export<'_> {
         Ok((id.to_string(), read_network(&network)?, run))
     }
 
-    /// The faces of the wall around `mid`, and the edge length that could be meshed.
-    fn wall(&self, mid: &TriangleMesh, thickness: f64) -> Result<(WallSurfaces, f64), Rejected> {
+    /// The faces of the wall around its `middle`, and the edge length that could be meshed.
+    fn wall(&self, middle: &MidSurface) -> Result<(WallSurfaces, f64), Rejected> {
         let with = |edge: f64| {
             let settings = WallSettings { edge, ..WallSettings::default() };
-            wall_surfaces(mid, thickness, &settings).map(|wall| (wall, edge))
+            wall_surfaces(middle, &settings).map(|wall| (wall, edge))
         };
         OTHER_EDGES.iter().fold(with(self.edge), |found, share| {
             found.or_else(|rejected| with(share * self.edge).map_err(|_| rejected))
         })
+    }
+
+    /// The bodies of the part in a `surface` with edges of `edge` (mm), by the `material` at each point: the place of each body's material
+    /// and its surface; and what is to be said of it.
+    fn bodies(
+        &self,
+        surface: &TriangleMesh,
+        edge: f64,
+        material: &dyn Fn(Vec3) -> u16,
+    ) -> anyhow::Result<(Vec<(usize, TriangleMesh)>, Option<String>)> {
+        let mesh = filled(surface, edge)?;
+        let centre =
+            |cell: &[u32; 4]| cell.iter().map(|&v| mesh.positions[v as usize]).sum::<Vec3>() / 4.0;
+        let materials: Vec<u16> =
+            mesh.tetrahedra.iter().map(|cell| material(centre(cell))).collect();
+        let last = materials.iter().max().copied().unwrap_or_default();
+        let bodies = Bodies::new(&mesh, materials);
+        let warning = (bodies.changed() > 0).then(|| {
+            let share = 100.0 * bodies.changed() as f64 / mesh.tetrahedra.len() as f64;
+            format!("{share:.2} % of the material is not of the one asked for: pieces below {LEAST_PIECE} mm^3 and what meets in an edge alone take the material around them")
+        });
+        let surfaces: Vec<(usize, TriangleMesh)> = (0..=last)
+            .map(|material| (usize::from(material), bodies.surface(material)))
+            .filter(|(_, body)| !body.triangles.is_empty())
+            .collect();
+        for (_, body) in &surfaces {
+            body.check_closed_manifold().map_err(|defect| {
+                anyhow!(
+                    "the body of one material is no closed surface: {defect}; another --edge may do"
+                )
+            })?;
+        }
+        Ok((surfaces, warning))
     }
 
     fn check_voxels(&self, surface: &TriangleMesh) -> anyhow::Result<()> {
@@ -148,15 +224,28 @@ impl Export<'_> {
     }
 }
 
-/// The middle of the wall of the design that `network` makes under the settings of `run`.
-fn middle_of(network: &Network, run: &RunFile) -> anyhow::Result<TriangleMesh> {
-    let compiled = CompiledNetwork::new(network);
-    let field = CappedField::new(compiled, run.design_box, run.mesh.rim_radius)?;
-    let material = run.material.material()?;
-    let shell = shell_of_field(&field, &run.mesh, &run.wall)
-        .and_then(|shell| PartModel::new(&shell, &material, &Support::Clamp, &PartSetup::default()))
-        .map_err(|rejected| anyhow!("{rejected}"))?;
-    Ok(middle(&shell, run.wall.thickness))
+/// Tetrahedra in a closed `surface` with edges of `edge`, mm.
+fn filled(surface: &TriangleMesh, edge: f64) -> anyhow::Result<TetMesh> {
+    let (positions, triangles) = (Vec::new(), Vec::new());
+    let chamber = TriangleMesh { positions, triangles };
+    let wall = WallSurfaces { outer: surface.clone(), chamber };
+    let settings = TetSettings { edge, layers: 1, ..TetSettings::default() };
+    let mut failures = Vec::new();
+    for mesher in meshers(None) {
+        let mesh = mesher.tetrahedra(&wall, &[], &settings);
+        match mesh.and_then(|mesh| check(&mesh, &wall).map(|()| mesh).map_err(Into::into)) {
+            Ok(mesh) => return Ok(mesh),
+            Err(MesherFailure::Machine(what)) => bail!(what),
+            Err(failure) => failures.push(format!("{}: {failure}", mesher.name())),
+        }
+    }
+    bail!("the part cannot be cut into bodies of one material: {}", failures.join("; "))
+}
+
+/// The names of the materials of a run, in the order in which sections name them.
+fn materials_of(run: &RunFile) -> Vec<&str> {
+    let second = run.pattern.as_ref().and_then(|pattern| pattern.material.as_ref());
+    [&run.material].into_iter().chain(second).map(MaterialSection::name).collect()
 }
 
 impl Report {
@@ -205,6 +294,17 @@ impl Report {
                 up.height_mm,
                 if place == 0 { "  best" } else { "" }
             ));
+        }
+        for (body, extruder) in self.bodies.iter().zip(1..) {
+            lines.insert(
+                4 + extruder - 1,
+                format!(
+                    "extruder {extruder}    {:.2} cm^3 of {}: {}",
+                    1e-3 * body.volume_mm3,
+                    body.material,
+                    body.file
+                ),
+            );
         }
         lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
         lines.join("\n")

@@ -16,7 +16,7 @@ use crate::mesh::{MeshSettings, ShellSettings};
 use crate::scene::checks::{check_distance, check_mesh, check_normal, check_shell, check_solver};
 use crate::scene::keys::{annotated, sections};
 use crate::scene::material::{MaterialSection, positive, within};
-use crate::scene::part::solid_part::{ONE_THICKNESS, SolidSection};
+use crate::scene::part::solid_part::SolidSection;
 use crate::scene::pattern::PatternSection;
 use crate::solve::Backend;
 
@@ -108,7 +108,6 @@ impl RunFile {
             section.check()?;
             section.check_material(&self.material.material()?)?;
             self.pattern()?.material.map_or(Ok(()), |second| section.check_material(&second))?;
-            ensure!(self.pattern()?.thickness.is_none(), ONE_THICKNESS);
         }
         self.evolution.validate().context("[evolution]")?;
         self.representation()?;

@@ -13,7 +13,7 @@
 use crate::field::ScalarField;
 use crate::math::{Vec3, angle_between};
 
-use super::facet_tree::{Facet, FacetTree};
+use super::facet_tree::{Facet, FacetTree, Nearest};
 use super::half_edges::{next, previous};
 use super::{HalfEdges, MeshDefect, TriangleMesh};
 
@@ -46,15 +46,24 @@ impl SignedDistance {
         self.tree.numbers[self.tree.nearest(point, f64::INFINITY).facet] as usize
     }
 
-    /// The distance at `point`, known to be at most `bound` in size, and its gradient.
-    pub(super) fn within(&self, point: Vec3, bound: f64) -> (f64, Vec3) {
+    /// The triangles in the order of the facets of the tree.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = usize> {
+        self.tree.numbers.iter().map(|&triangle| triangle as usize)
+    }
+
+    pub(super) fn tree(&self) -> &FacetTree {
+        &self.tree
+    }
+
+    /// The distance at `point`, known to be at most `bound` in size, its gradient, and the nearest point of the surface.
+    pub(super) fn nearest(&self, point: Vec3, bound: f64) -> (f64, Vec3, Nearest) {
         let nearest = self.tree.nearest(point, bound);
         let normal = self.tree.normals[nearest.facet][nearest.feature];
         let away = point - nearest.point;
         let sign = if away.dot(&normal) < 0.0 { -1.0 } else { 1.0 };
         let distance = nearest.squared_distance.sqrt();
         let unit = if distance > ON_SURFACE { sign * away / distance } else { normal.normalize() };
-        (sign * distance, unit)
+        (sign * distance, unit, nearest)
     }
 }
 
@@ -64,7 +73,8 @@ impl ScalarField for SignedDistance {
     }
 
     fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
-        self.within(point, f64::INFINITY)
+        let (distance, gradient, _) = self.nearest(point, f64::INFINITY);
+        (distance, gradient)
     }
 }
 
@@ -149,7 +159,7 @@ mod tests {
                 .map(|t| (point - nearest_on_triangle(point, mesh.corners(t)).0).norm())
                 .fold(f64::INFINITY, f64::min);
             prop_assert_eq!(distance.value(point).abs(), all);
-            prop_assert_eq!(distance.within(point, all).0, distance.value(point));
+            prop_assert_eq!(distance.nearest(point, all).0, distance.value(point));
         }
     }
 

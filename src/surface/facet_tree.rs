@@ -109,6 +109,57 @@ impl FacetTree {
         }
         best
     }
+
+    /// Which ball about a point of the facets reaches nearest to `point`, if by less than `bound` (mm): the way that lacks, and the middle
+    /// of the ball. Radii (mm) are given at the `corners` of each facet, linear between them, none above `most`.
+    ///
+    /// Of each facet the ball about its nearest point is looked at.
+    pub(super) fn nearest_ball(
+        &self,
+        point: Vec3,
+        bound: f64,
+        corners: &[[f64; 3]],
+        most: f64,
+    ) -> Option<(f64, Vec3)> {
+        let mut best = (bound, None);
+        let mut open = Vec::with_capacity(DEEPEST);
+        open.extend(self.tree.root());
+        while let Some(node) = open.pop() {
+            let to_box = self.boxes[node.index()].squared_distance(point).sqrt();
+            if to_box - most >= best.0 {
+                continue;
+            }
+            let Some(children) = self.tree.children(node) else {
+                for facet in node.items() {
+                    let (foot, _) = nearest_on_triangle(point, self.corners[facet]);
+                    let way = (point - foot).norm();
+                    if way - most < best.0 {
+                        let lacks = way - self.at_foot(facet, foot, corners);
+                        if lacks < best.0 {
+                            best = (lacks, Some(foot));
+                        }
+                    }
+                }
+                continue;
+            };
+            open.extend(children);
+        }
+        best.1.map(|foot| (best.0, foot))
+    }
+
+    /// What is given at the `corners` of each facet, at a point of this one.
+    pub(super) fn at_foot(&self, facet: usize, foot: Vec3, corners: &[[f64; 3]]) -> f64 {
+        let [a, b, c] = self.corners[facet];
+        let area = (b - a).cross(&(c - a));
+        let share = |u: Vec3, v: Vec3| (u - foot).cross(&(v - foot)).dot(&area);
+        let weights = [share(b, c), share(c, a), share(a, b)];
+        let sum: f64 = weights.iter().sum();
+        if sum > 0.0 {
+            weights.iter().zip(corners[facet]).map(|(w, value)| w / sum * value).sum()
+        } else {
+            corners[facet].iter().sum::<f64>() / 3.0
+        }
+    }
 }
 
 /// The point of the triangle nearest to `p`, and what it lies on.

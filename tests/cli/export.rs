@@ -23,6 +23,13 @@ fn enclosed(stl: &[u8]) -> f64 {
     stl[84..].chunks_exact(50).map(below).sum()
 }
 
+/// The least and the greatest x of the triangles of a binary STL, mm.
+fn xs(stl: &[u8]) -> [f64; 2] {
+    let x = |bytes: &[u8]| f64::from(f32::from_le_bytes(bytes[..4].try_into().unwrap()));
+    let all = stl[84..].chunks_exact(50).flat_map(|t| [12, 24, 36].map(|k| x(&t[k..])));
+    all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+}
+
 #[test]
 fn a_design_is_exported_with_each_inlet() {
     let workshop = with_run();
@@ -60,6 +67,36 @@ fn a_design_is_exported_with_each_inlet() {
     let file = |name: &str| std::fs::read(workshop.path(name)).unwrap();
     assert!(file("barb/part.3mf") == file("again/part.3mf"), "a 3MF has other bytes");
     assert!(file("barb/part.stl") == file("again/part.stl"), "an STL has other bytes");
+}
+
+/// A part from x = -1 to 21 mm whose wall below 10 mm is of a second material: its bodies fill it, and the report says which file is of which.
+#[test]
+fn a_part_of_two_materials_has_a_body_for_each() {
+    let workshop = Workshop::new();
+    let wall = "[wall]\nmaterial = \"side\"\n[[node]]\nname = \"side\"\nlinks = { x = -1.0 }\nbias = 1.0\n";
+    let network = workshop.read("network.toml") + wall;
+    workshop.write("network.toml", format!("output = \"chamber\"\n{network}"));
+    let pattern = "[pattern]\nmaterial = { law = \"neo-hookean\", mu = 10.0 }\n";
+    workshop.write("run.toml", format!("[mesh]\nedge = 4.0\n{pattern}"));
+    let export = ["export", "network.toml", "--run", "run.toml", "--out", "out", "--edge", "2"];
+    let words = workshop.succeed(&export);
+    assert!(words.contains("of neo-hookean: part_2.stl"), "{words}");
+    let report = workshop.json("out/printability.json");
+    assert_eq!(report["material"], "ninjaflex-c2s and neo-hookean");
+    let volume = |file: &str| enclosed(&std::fs::read(workshop.path("out").join(file)).unwrap());
+    let bodies = report["bodies"].as_array().unwrap();
+    for body in bodies {
+        let said = body["volume_mm3"].as_f64().unwrap();
+        // Coordinates of 60 mm in 32 bits.
+        assert!((volume(body["file"].as_str().unwrap()) / said - 1.0).abs() < 1e-5, "{body}");
+    }
+    let (whole, halves) = (volume("part.stl"), [volume("part_1.stl"), volume("part_2.stl")]);
+    assert!(((halves[0] + halves[1]) / whole - 1.0).abs() < 1e-5, "{halves:?} {whole}");
+    // A triangle of the shell, of 4 mm, is of one material, and a cell of 2 mm takes that of the nearest.
+    let [soft, stiff] =
+        [1, 2].map(|k| xs(&std::fs::read(workshop.path(&format!("out/part_{k}.stl"))).unwrap()));
+    assert!(soft[0] > 6.0 && stiff[1] < 14.0, "{soft:?} {stiff:?}");
+    assert!(soft[1] > 14.0 && stiff[0] < 6.0, "{soft:?} {stiff:?}");
 }
 
 #[test]

@@ -21,7 +21,7 @@ pub fn check(mesh: &TetMesh, wall: &WallSurfaces) -> Result<(), TetDefect> {
     check_surface("chamber", &mesh.chamber_surface(), &wall.chamber)
 }
 
-/// Whether the tetrahedra of `mesh` meet face to face, between closed surfaces that are listed as such.
+/// Whether the tetrahedra of `mesh` meet face to face, between closed surfaces that are listed as such; there may be no chamber.
 ///
 /// # Errors
 /// The first [`TetDefect`] found.
@@ -38,6 +38,9 @@ pub(super) fn check_by_itself(mesh: &TetMesh) -> Result<(), TetDefect> {
     }
     check_listed(mesh)?;
     mesh.outer_surface().check_closed_manifold().map_err(TetDefect::Outer)?;
+    if mesh.chamber.is_empty() {
+        return Ok(());
+    }
     mesh.chamber_surface().check_closed_manifold().map_err(TetDefect::Chamber)
 }
 

@@ -171,15 +171,16 @@ impl SampledSurface {
     }
 
     /// The surface where the nodes are at `positions`, finer than its facets: over each triangle the quadratic through its six points,
-    /// in `n x n` facets.
+    /// in `n x n` facets, one triangle after the other; and how thick the wall is at rest at each of its vertices, mm.
     ///
     /// # Panics
     /// When `n` is 0.
     #[must_use]
-    pub fn quadratic(&self, positions: &[Vec3], n: usize) -> TriangleMesh {
+    pub fn quadratic(&self, positions: &[Vec3], n: usize) -> (TriangleMesh, Vec<f64>) {
         assert!(n > 0, "a triangle is at least one facet");
         let samples = self.at(positions);
         let mut fine = TriangleMesh { positions: Vec::new(), triangles: Vec::new() };
+        let mut thickness = Vec::new();
         let mut known = BTreeMap::new();
         for facets in self.facets.as_chunks::<4>().0 {
             let [[p0, p5, p4], [p1, p3, _], [p2, ..], _] = *facets;
@@ -196,6 +197,9 @@ impl SampledSurface {
                     let middle = FACE_EDGES.map(|[a, b]| 4.0 * l[a] * l[b]);
                     let weights = weights.into_iter().chain(middle);
                     fine.positions.push(points.iter().zip(weights).map(|(x, w)| w * x).sum());
+                    let [first, second, third] = corners.map(|p| self.thickness[p as usize]);
+                    // Where all are the same, so is their mean, to the bit.
+                    thickness.push(first + l[1] * (second - first) + l[2] * (third - first));
                     fine.positions.len() as u32 - 1
                 })
             };
@@ -211,7 +215,7 @@ impl SampledSurface {
                 }
             }
         }
-        fine
+        (fine, thickness)
     }
 
     /// Thickness of the wall where it is thickest, mm.
@@ -240,7 +244,7 @@ mod tests {
         let shell = TestShell::new(1);
         let surface = shell.surface();
         let volume = |n: usize| {
-            let fine = surface.quadratic(&shell.reference, n);
+            let (fine, _) = surface.quadratic(&shell.reference, n);
             assert_eq!(fine.check_closed_manifold(), Ok(()));
             assert_eq!(fine.triangles.len(), n * n * shell.mesh.surface.triangles.len());
             fine.volume()

@@ -1,6 +1,6 @@
 //! `[solid]`: the wall of a closed part in tetrahedra, made without a human.
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{anyhow, ensure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,12 +12,12 @@ use crate::math::{Rejected, Vec3};
 use crate::mesh::tetrahedra::{
     Attempt, Filled, TetMesher, TetQuality, TetSettings, Unfilled, filled_wall,
 };
-use crate::mesh::{ShellMesh, SolidMesh, WallSettings, wall_surfaces};
+use crate::mesh::{Section, ShellMesh, SolidMesh, WallSettings, wall_surfaces};
 use crate::model::material::Material;
 use crate::model::{PartModel, PartSetup, SolidLoads};
 use crate::scene::checks::check_distance;
 use crate::scene::material::within;
-use crate::surface::{SignedDistance, TriangleMesh};
+use crate::surface::{MeshDefect, MidSurface};
 
 /// How a wall becomes tetrahedra, and what its answers say of the shell's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,7 +58,7 @@ pub(crate) enum MesherName {
     Gmsh,
 }
 
-/// Facets of the middle, in thicknesses: their corners show in neither face.
+/// Facets of the middle, in thicknesses of the wall where it is thinnest: their corners show in neither face.
 const FACET: f64 = 0.3;
 /// Facets of the middle, at the least, as a share of the part: some hundred thousand of them.
 const LEAST_FACET: f64 = 2e-3;
@@ -122,9 +122,31 @@ impl SolidSection {
     }
 }
 
-/// The middle of the wall of a `shell` of `thickness` (mm), as its solid has it.
-pub(crate) fn middle(shell: &PartModel, thickness: f64) -> TriangleMesh {
-    shell.rest_surface((FACET * thickness).max(LEAST_FACET * shell.rest_size().amax()))
+/// The middle of the wall of a `shell` of this `section`, as its solid has it.
+///
+/// # Errors
+/// [`MeshDefect`] unless the shell is closed.
+pub(crate) fn middle(shell: &PartModel, section: &Section) -> Result<MidSurface, MeshDefect> {
+    let [thinnest, _] = section.thickness_range();
+    shell.mid_surface((FACET * thinnest).max(LEAST_FACET * shell.rest_size().amax()))
+}
+
+/// The place in the list of materials of that of a solid around the `middle` of a `shell` at `point`: that of the nearest triangle.
+pub(crate) fn material_at(shell: &ShellMesh, middle: &MidSurface, point: Vec3) -> u16 {
+    // Each triangle of the shell is so many of the middle, one after the other.
+    let facets = middle.mesh().triangles.len() / shell.surface.triangles.len();
+    shell.section.material(middle.distance().nearest_triangle(point) / facets)
+}
+
+/// The programs that are tried, in their order.
+pub(crate) fn meshers(name: Option<MesherName>) -> Vec<Box<dyn TetMesher>> {
+    let tetgen = || -> Box<dyn TetMesher> { Box::new(TetGen::default()) };
+    let gmsh = |algorithm| -> Box<dyn TetMesher> { Box::new(Gmsh::new(algorithm)) };
+    match name {
+        None => vec![tetgen(), gmsh(Algorithm::Hxt), gmsh(Algorithm::Delaunay)],
+        Some(MesherName::Tetgen) => vec![tetgen()],
+        Some(MesherName::Gmsh) => vec![gmsh(Algorithm::Hxt), gmsh(Algorithm::Delaunay)],
+    }
 }
 
 /// A wall in tetrahedra.
@@ -169,24 +191,19 @@ impl SolidPart {
     /// The wall around the middle of a `shell`, whose `model` is given; each cell is of the material of the nearest triangle.
     ///
     /// # Errors
-    /// When a mesher cannot be run, or the wall is not of one thickness. A wall that cannot be meshed is the inner [`Rejected`].
+    /// When a mesher cannot be run, or the edge is too fine. A wall that cannot be meshed is the inner [`Rejected`].
     pub(crate) fn new(
         shell: &ShellMesh,
         model: &PartModel,
         section: &SolidSection,
     ) -> anyhow::Result<Result<Self, Rejected>> {
-        let thickness = shell.section.uniform_thickness().context(ONE_THICKNESS)?;
-        let (tetgen, hxt, delaunay) =
-            (TetGen::default(), Gmsh::new(Algorithm::Hxt), Gmsh::new(Algorithm::Delaunay));
-        let meshers: &[&dyn TetMesher] = match section.mesher {
-            None => &[&tetgen, &hxt, &delaunay],
-            Some(MesherName::Tetgen) => &[&tetgen],
-            Some(MesherName::Gmsh) => &[&hxt, &delaunay],
-        };
+        let [thinnest, thickest] = shell.section.thickness_range();
+        let meshers = meshers(section.mesher);
+        let meshers: Vec<&dyn TetMesher> = meshers.iter().map(|mesher| &**mesher).collect();
         let size = model.rest_size();
-        let middle = middle(model, thickness);
+        let middle = middle(model, &shell.section)?;
         let finest = LEAST_SHARE * section.edge;
-        let cubes = size.add_scalar(2.0 * thickness).product() / finest.powi(3);
+        let cubes = size.add_scalar(2.0 * thickest).product() / finest.powi(3);
         ensure!(
             cubes <= MOST_CUBES,
             "[solid] edge is {}, too fine for a part of {:.0} x {:.0} x {:.0} mm; {:.2} mm would do",
@@ -196,20 +213,16 @@ impl SolidPart {
             size.z,
             section.edge * (cubes / MOST_CUBES).cbrt() + 0.005
         );
-        let surfaces = |edge: f64| {
-            wall_surfaces(&middle, thickness, &WallSettings { edge, ..WallSettings::default() })
-        };
-        match filled_wall(&surfaces, meshers, &section.settings(thickness)) {
+        let surfaces =
+            |edge: f64| wall_surfaces(&middle, &WallSettings { edge, ..WallSettings::default() });
+        let settings = section.settings(0.5 * (thinnest + thickest));
+        match filled_wall(&surfaces, &meshers, &settings) {
             Ok(Filled { mesh, quality, mesher, edge, attempts }) => {
                 let attempts = attempts.into_iter().map(AttemptReport::from).collect();
                 let mut mesh = SolidMesh::straight(&mesh);
-                let distance = SignedDistance::new(&middle)?;
-                let curved = mesh.curve(&distance, thickness);
+                let curved = mesh.curve(&middle);
                 if shell.section.last_material() > 0 {
-                    // Each triangle of the shell is so many of the middle, one after the other.
-                    let facets = middle.triangles.len() / shell.surface.triangles.len();
-                    let material =
-                        |x: Vec3| shell.section.material(distance.nearest_triangle(x) / facets);
+                    let material = |x: Vec3| material_at(shell, &middle, x);
                     mesh.materials = mesh.centres().map(material).collect();
                 }
                 let report = SolidReport { mesher, edge, curved, quality, attempts };
@@ -239,9 +252,6 @@ impl SolidPart {
         PartModel::of_solid(&self.mesh, thickest, materials, &loads, &setup)
     }
 }
-
-/// What is said of a solid around a wall that is not everywhere as thick.
-pub(crate) const ONE_THICKNESS: &str = "a [solid] wants a wall of one thickness; leave out that of each [[region]] and of the [pattern]";
 
 impl SolidReport {
     pub(crate) fn in_words(&self) -> String {
