@@ -11,23 +11,22 @@ use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, json};
 
+use super::presets::{self, PRESETS, Preset};
 use crate::model::material::{
-    Compressible, Key, KeyKind, KeyValue, Loading, Material, Ogden, keys, laws_in_words,
-    positive as is_positive, within as is_within,
+    Key, KeyKind, KeyValue, Loading, Material, keys, laws_in_words, positive as is_positive,
+    within as is_within,
 };
 
 /// What a file says about the material: a preset alone, or a law with its own keys.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MaterialSection {
-    /// One of [`PRESETS`].
+    /// One of [`presets::PRESETS`].
     preset: Option<String>,
     /// One of the laws of [`crate::model::material`].
     law: Option<String>,
     /// The values of the law's keys, in the order of [`keys`].
     numbers: Vec<(&'static str, KeyValue)>,
 }
-
-const PRESETS: &str = "ninjaflex-c2s, ninjaflex-c2s-compressible and ninjaflex-yap2016";
 
 impl Default for MaterialSection {
     fn default() -> Self {
@@ -56,13 +55,9 @@ impl MaterialSection {
                 "[material] takes no `{key}` beside `preset`; numbers of your own go with a `law`"
             );
         }
-        match preset {
-            "ninjaflex-c2s" => Ok(Material::Ogden(Ogden::ninjaflex_c2s())),
-            "ninjaflex-c2s-compressible" => {
-                Ok(Material::Compressible(Compressible::ninjaflex_c2s()))
-            }
-            "ninjaflex-yap2016" => Ok(Material::Ogden(Ogden::ninjaflex_yap2016())),
-            _ => bail!("[material] has no preset `{preset}`; it has {PRESETS}"),
+        match presets::named(preset) {
+            Some(preset) => Ok((preset.material)()),
+            None => bail!("[material] has no preset `{preset}`; it has {}", presets::names()),
         }
     }
 }
@@ -129,7 +124,12 @@ impl JsonSchema for MaterialSection {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let mut properties = Map::new();
-        let preset = format!("A material with its numbers: {PRESETS}.");
+        let preset = |preset: &Preset| format!("{} ({})", preset.name, preset.range());
+        let presets: Vec<String> = PRESETS.iter().map(preset).collect();
+        let preset = format!(
+            "A material with its numbers, and the test behind them: {}. `pneumorph material presets` tells the sources.",
+            presets.join("; ")
+        );
         let default = Self::default().preset;
         let preset = json!({ "type": "string", "description": preset, "default": default });
         properties.insert("preset".to_owned(), preset);
@@ -198,12 +198,12 @@ impl<'de> DeserializeSeed<'de> for Kind {
 /// Where a rubber gives way within everyday stretches, a line that says so.
 pub(crate) fn instability(material: &Material) -> Option<String> {
     const EVERYDAY: [f64; 2] = [0.5, 2.0];
-    let loadings = [Loading::Uniaxial, Loading::Equibiaxial, Loading::Planar];
     let is_rubber = !matches!(material, Material::StVenantKirchhoff(_));
-    let [least, most] = loadings.iter().filter(|_| is_rubber).fold(EVERYDAY, |range, &loading| {
-        let [least, most] = material.stable_stretches(loading);
-        [range[0].max(least), range[1].min(most)]
-    });
+    let [least, most] =
+        Loading::ALL.iter().filter(|_| is_rubber).fold(EVERYDAY, |range, &loading| {
+            let [least, most] = material.stable_stretches(loading);
+            [range[0].max(least), range[1].min(most)]
+        });
     // A law that is unstable at rest fails by itself, and says so.
     ([least, most] != EVERYDAY && least < most).then(|| {
         format!(
@@ -229,7 +229,7 @@ mod tests {
     use super::*;
     use crate::io::toml_file;
     use crate::model::material::{
-        MooneyRivlin, NeoHookean, OgdenTerm, Rubber, StVenantKirchhoff, Yeoh,
+        Compressible, MooneyRivlin, NeoHookean, Ogden, OgdenTerm, Rubber, StVenantKirchhoff, Yeoh,
     };
 
     fn section(text: &str) -> MaterialSection {
