@@ -115,6 +115,9 @@ impl Calibration {
             text += &format!("{name:<16}  not fitted: {reason}\n");
         }
         text += "\n% of the largest stress of each test, the mean of the tests. * has the fewest numbers of those that predict points\nleft out of the fit, a fifth of each test in a row, at most a tenth worse than the best.\n";
+        if self.choice.is_of_one_test {
+            text += "Of one kind of test the choice is among laws of the first invariant (neo-hookean, yeoh), which carry over to the others.\n";
+        }
         if self.choice.best().is_held {
             text += "Without the condition of stability (Drucker) it would come nearer to the data, and be unstable.\n";
         }

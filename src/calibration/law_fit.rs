@@ -21,6 +21,8 @@ pub struct LawFit {
     pub name: &'static str,
     /// How many numbers were sought.
     pub numbers: usize,
+    /// Whether it depends on the first invariant alone.
+    pub is_of_first_invariant: bool,
     /// The law.
     pub law: Rubber,
     /// The root of the mean square error over all points, MPa.
@@ -41,6 +43,8 @@ const EVERYDAY: [f64; 2] = [0.5, 2.0];
 const LOOKED_AT: [f64; 2] = [0.3, 4.0];
 /// The stiffness that is left, over the modulus at rest.
 const MARGIN: f64 = 2e-3;
+/// How near to its margin, over that, a stiffness is held.
+const NEAR: f64 = 0.05;
 /// Errors of 1 % push with 1e-2, and are met by what is missing times the square of this: 1e-8.
 const WEIGHT: f64 = 1e3;
 /// Stretches from one end to the other at which the stiffness is looked at.
@@ -65,10 +69,11 @@ pub(super) fn law_fit(form: &FitForm, measured: &Measured) -> Option<LawFit> {
     if stable[0] > range[0] || stable[1] < range[1] {
         return None;
     }
-    let is_held = !form.is_always_stable && lacks(&law, range).any(|lack| lack > 0.0);
+    let is_held = !form.is_always_stable && lacks(&law, range).any(|lack| lack > -NEAR * MARGIN);
     Some(LawFit {
         name: form.name,
         numbers: form.numbers(),
+        is_of_first_invariant: form.is_of_first_invariant,
         rms: measured.rms(&law),
         relative: measured.errors(&law).map(|error| error * error).sum::<f64>().sqrt(),
         left_out: left_out(form, modulus, measured, range, &best.x),
@@ -101,19 +106,19 @@ fn sought(
         let law = (form.rubber)(x, modulus)?;
         let mut all: Vec<f64> = measured.errors(&law).collect();
         if !form.is_always_stable {
-            all.extend(lacks(&law, range).map(|lack| WEIGHT * lack));
+            all.extend(lacks(&law, range).map(|lack| WEIGHT * lack.max(0.0)));
         }
         Some(DVector::from_vec(all))
     };
     minimum(residuals, start)
 }
 
-/// What the stiffness lacks of its margin at each stretch of each test, over the modulus.
+/// What the stiffness lacks of its margin at each stretch of each test, over the modulus; negative where it has more.
 fn lacks(law: &Rubber, [least, greatest]: [f64; 2]) -> impl Iterator<Item = f64> {
     let modulus = Material::from(law.clone()).shear_modulus().abs().max(f64::MIN_POSITIVE);
     let stretch = move |k: usize| least * (greatest / least).powf(k as f64 / SAMPLES as f64);
     Loading::ALL.into_iter().flat_map(move |loading| {
-        (0..=SAMPLES).map(move |k| (MARGIN - law.stiffness(loading, stretch(k)) / modulus).max(0.0))
+        (0..=SAMPLES).map(move |k| MARGIN - law.stiffness(loading, stretch(k)) / modulus)
     })
 }
 

@@ -23,6 +23,8 @@ const MOST_STEPS: usize = 400;
 const LAST_STEP: f64 = 1e-11;
 /// Of central differences: the cube root of the rounding.
 const DIFFERENCE: f64 = 6e-6;
+/// Residuals that change faster with an unknown get shorter differences.
+const STEEP: f64 = 30.0;
 /// Where no step lowers the cost any more.
 const MOST_DAMPING: f64 = 1e14;
 
@@ -74,14 +76,17 @@ fn differences(
 ) -> Option<DMatrix<f64>> {
     let mut jacobian = DMatrix::zeros(rows, x.len());
     for k in 0..x.len() {
-        let h = DIFFERENCE * x[k].abs().max(1.0);
         let at = |value: f64| {
             let mut beside = x.to_vec();
             beside[k] = value;
             residuals(&beside)
         };
-        let slope = (at(x[k] + h)? - at(x[k] - h)?) / (2.0 * h);
-        jacobian.set_column(k, &slope);
+        let slope = |h: f64| Some((at(x[k] + h)? - at(x[k] - h)?) / (2.0 * h));
+        let h = DIFFERENCE * x[k].abs().max(1.0);
+        let coarse = slope(h)?;
+        // Where residuals have a corner a step should be no longer than the way to it.
+        let steep = coarse.norm();
+        jacobian.set_column(k, &if steep > STEEP { slope(h * STEEP / steep)? } else { coarse });
     }
     Some(jacobian)
 }

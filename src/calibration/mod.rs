@@ -10,6 +10,7 @@
 //! - Stability is a condition of the fit, over the stretches of the data and those of everyday, in all three tests whatever was measured:
 //!   Ogden's terms have a positive `mu`, which is enough at all stretches; of the other laws the stiffness against the softest further
 //!   strain is held above a small share of the modulus at closely spaced stretches.
+//! - What one kind of test says nothing of is not left to chance: then the choice is among laws of the first invariant.
 //! - Laws are compared by blocks left out, not by what is left over of the fit, which more numbers always make smaller.
 
 mod calibrate;
@@ -19,6 +20,8 @@ mod least_squares;
 mod material_file;
 mod measured;
 pub(crate) mod test_table;
+#[cfg(test)]
+mod tests;
 
 pub use calibrate::{Calibration, CalibrationRecord, Request};
 pub use fit::{Choice, fit_laws};

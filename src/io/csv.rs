@@ -190,7 +190,13 @@ pub fn raw(text: &str, path: &Path) -> Result<RawTable, InputError> {
         Some(at) => InputError::at_line(path, at.line() as usize, error.to_string()),
         None => InputError::new(path, error.to_string()),
     };
-    let line = |record: &csv::StringRecord| record.position().map_or(1, |at| at.line() as usize);
+    // A record begins for the reader where the one before it ends, at comments and empty lines too.
+    let lines: Vec<&str> = text.lines().collect();
+    let line = |record: &csv::StringRecord| {
+        let first = record.position().map_or(1, |at| at.line() as usize);
+        let is_none = |line: &&&str| line.trim().is_empty() || line.starts_with('#');
+        first + lines[(first - 1).min(lines.len())..].iter().take_while(is_none).count()
+    };
     let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
     let header = reader.headers().map_err(refused)?;
     let (at, columns) = (line(header), cells(header));

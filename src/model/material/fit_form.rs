@@ -16,6 +16,8 @@ pub struct FitForm {
     pub starts: &'static [&'static [f64]],
     /// Whether every law of this form is stable in Drucker's sense at all stretches; if not, a fit has to see to it.
     pub is_always_stable: bool,
+    /// Whether the law depends on the first invariant alone.
+    pub is_of_first_invariant: bool,
     /// The law at coordinates, with a modulus in MPa; none where a number is out of all bounds.
     pub rubber: fn(&[f64], f64) -> Option<Rubber>,
 }

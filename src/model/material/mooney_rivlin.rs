@@ -44,6 +44,7 @@ impl FittedLaw for MooneyRivlin {
         name: Self::NAME,
         starts: &[&[0.4, 0.1]],
         is_always_stable: false,
+        is_of_first_invariant: false,
         rubber: |x, modulus| Some(Self { c1: modulus * x[0], c2: modulus * x[1] }.into()),
     }];
 

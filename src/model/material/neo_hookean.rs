@@ -55,6 +55,7 @@ impl FittedLaw for NeoHookean {
         name: Self::NAME,
         starts: &[&[0.0]],
         is_always_stable: true,
+        is_of_first_invariant: true,
         rubber: |x, modulus| Some(Self { mu: modulus * x[0].exp() }.into()),
     }];
 

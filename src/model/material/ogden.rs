@@ -126,6 +126,7 @@ impl FittedLaw for Ogden {
             name: "ogden (1 term)",
             starts: &[&[0.0, 2.0], &[0.0, -2.0], &[0.0, 6.0]],
             is_always_stable: true,
+            is_of_first_invariant: false,
             rubber: fitted,
         },
         FitForm {
@@ -138,6 +139,7 @@ impl FittedLaw for Ogden {
                 &[-0.7, -4.0, -0.7, 2.0],
             ],
             is_always_stable: true,
+            is_of_first_invariant: false,
             rubber: fitted,
         },
         FitForm {
@@ -149,6 +151,7 @@ impl FittedLaw for Ogden {
                 &[-1.0, 1.0, -1.0, 3.0, -1.0, -2.0],
             ],
             is_always_stable: true,
+            is_of_first_invariant: false,
             rubber: fitted,
         },
     ];

@@ -31,7 +31,9 @@ impl Material {
     fn is_stable(&self, loading: Loading, l1: f64) -> bool {
         let squares = match (loading, self) {
             (Loading::Uniaxial, Self::StVenantKirchhoff(law)) => {
-                [l1 * l1, 1.0 - law.poisson_ratio * (l1 * l1 - 1.0)]
+                // Not a number where no width is left.
+                let l2 = (1.0 - law.poisson_ratio * (l1 * l1 - 1.0)).sqrt();
+                [l1 * l1, l2 * l2]
             }
             _ => loading.squares(l1),
         };

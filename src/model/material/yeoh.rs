@@ -41,6 +41,7 @@ impl FittedLaw for Yeoh {
         name: Self::NAME,
         starts: &[&[0.5, 0.0, 0.0]],
         is_always_stable: false,
+        is_of_first_invariant: true,
         rubber: |x, modulus| Some(Self { c: [0, 1, 2].map(|k| modulus * x[k]) }.into()),
     }];
 
