@@ -281,6 +281,8 @@ mod tests {
             ("ninjaflex-c2s", 5.211_656, 0.5),
             ("ninjaflex-c2s-compressible", 5.211_656, 0.380_121),
             ("ninjaflex-yap2016", 6.212, 0.5),
+            ("dragon-skin-30", 0.178_802, 0.5),
+            ("filaflex-70a", 2.761_062, 0.5),
         ] {
             let section = section(&format!("preset = '{preset}'\n"));
             let material = section.material().unwrap();
