@@ -85,7 +85,7 @@ pub(super) fn law_fit(form: &FitForm, measured: &Measured) -> Option<LawFit> {
 
 /// Whether so many points are more than the numbers when a block of each test is left out.
 pub(super) fn are_enough(points: usize, numbers: usize) -> bool {
-    points - points.div_ceil(BLOCKS) >= numbers + 1
+    points - points.div_ceil(BLOCKS) > numbers
 }
 
 /// The stretches over which a law has to be stable.

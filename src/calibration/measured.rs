@@ -20,12 +20,11 @@ pub struct Measured {
 impl Measured {
     /// Adds a point to the test of its kind.
     pub fn push(&mut self, loading: Loading, point: Point) {
-        if !self.tests.iter().any(|(kind, _)| *kind == loading) {
-            self.tests.push((loading, Vec::new()));
-            self.tests.sort_by_key(|(kind, _)| *kind);
+        let at = self.tests.partition_point(|(kind, _)| *kind < loading);
+        if self.tests.get(at).is_none_or(|(kind, _)| *kind != loading) {
+            self.tests.insert(at, (loading, Vec::new()));
         }
-        let test = self.tests.iter_mut().find(|(kind, _)| *kind == loading);
-        let (_, points) = test.expect("it was added");
+        let points = &mut self.tests[at].1;
         let place = points.partition_point(|other| other.stretch <= point.stretch);
         points.insert(place, point);
     }

@@ -49,6 +49,11 @@ impl MaterialSection {
         self.preset.as_deref().or(self.law.as_deref()).unwrap_or_default()
     }
 
+    /// The preset, where there is one of this name.
+    pub(crate) fn preset(&self) -> Option<&'static Preset> {
+        presets::named(self.preset.as_deref()?)
+    }
+
     fn of_preset(&self, preset: &str) -> anyhow::Result<Material> {
         if let Some((key, _)) = self.numbers.first() {
             bail!(

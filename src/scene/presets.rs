@@ -148,6 +148,19 @@ impl Preset {
         format!("{}, stretches of {least} to {most}", loading.name())
     }
 
+    /// A line that says how far a stretch is beyond the tests behind the numbers, where it is; `largest` is asked only where they are known.
+    pub(crate) fn passed_by(&self, largest: impl FnOnce() -> f64) -> Option<String> {
+        let (loading, [_, most]) = self.test?;
+        let stretch = largest();
+        (stretch > most).then(|| {
+            format!(
+                "[material] {} is stretched to {stretch:.2}, but its numbers come from {} tests up to {most}; what it does beyond them is a guess",
+                self.name,
+                loading.name()
+            )
+        })
+    }
+
     /// Law and modulus at rest in words.
     fn law(&self) -> String {
         let material = (self.material)();
@@ -213,6 +226,14 @@ mod tests {
                 preset.test.map_or([0.5, 2.0], |(_, [least, most])| [least.min(0.5), most]);
             assert_eq!(law.stable_stretches([least, most]), [least, most], "{}", preset.name);
         }
+    }
+
+    #[test]
+    fn a_stretch_beyond_the_tests_is_told() {
+        let cheetah = named("cheetah").unwrap();
+        assert_eq!(cheetah.passed_by(|| 2.7), None);
+        assert!(cheetah.passed_by(|| 3.14).is_some_and(|line| line.contains("stretched to 3.14")));
+        assert_eq!(named("ninjaflex-c2s").unwrap().passed_by(|| 9.0), None);
     }
 
     #[test]
