@@ -149,7 +149,7 @@ impl Calibration {
         let material = format!(
             "# {} fitted to {}: stretches from {least:.3} to {greatest:.3}, error {:.2} % of the largest stress,\n# {:.2} % in points left out; stable between stretches of {:.2} and {:.2}.\n{}",
             best.name,
-            self.sources,
+            self.sources.replace(char::is_control, " "),
             100.0 * best.relative,
             100.0 * best.left_out,
             best.stable[0],
