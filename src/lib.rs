@@ -83,7 +83,7 @@
 //!
 //! Data moves in one direction, and a room names only rooms to its left:
 //! `genome -> field -> surface -> mesh -> model -> solve -> fitness -> batch -> evolve -> printing -> report -> scene -> study`.
-//! `verify` names `scene`, and `cli` all. `ARCHITECTURE.md` says what each room answers and what it
+//! `verify` and `calibration` name `scene`, and `cli` all. `ARCHITECTURE.md` says what each room answers and what it
 //! must never know.
 //!
 //! # Features
@@ -93,7 +93,7 @@
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `report` | [`report`], and the rooms that draw figures: [`study`], [`verify`] |
+//! | `report` | [`report`], and the rooms that draw figures: [`study`], [`verify`], [`calibration`] |
 //! | `cli` | the program `pneumorph`, with `report` |
 //! | `monitor` | the web page of a run, with `report` |
 //! | `petsc` | PETSc's solvers beside our own |
@@ -140,6 +140,9 @@ pub mod study;
 
 #[cfg(feature = "report")]
 pub mod verify;
+
+#[cfg(feature = "report")]
+pub mod calibration;
 
 #[cfg(feature = "cli")]
 pub mod cli;

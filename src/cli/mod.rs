@@ -8,6 +8,7 @@ mod film;
 mod inspect;
 mod keys;
 mod listener;
+mod material;
 mod mesh;
 #[cfg(feature = "monitor")]
 mod monitor;
@@ -208,6 +209,12 @@ enum Command {
         /// The address to listen on; others than this machine's own let others look.
         #[arg(long, default_value = "127.0.0.1")]
         listen: IpAddr,
+    },
+    /// A law of your own rubber from its tests, and the materials that are known by name.
+    #[command(arg_required_else_help = true)]
+    Material {
+        #[command(subcommand)]
+        what: material::MaterialCommand,
     },
     /// Film a design while it is inflated, free and against its plane (GIF).
     Film(film::Film),
@@ -471,6 +478,7 @@ fn dispatch(command: Command, job: Job) -> anyhow::Result<ExitCode> {
         }
         #[cfg(feature = "monitor")]
         Command::Monitor { run, port, listen } => monitor::run(&run, listen, port),
+        Command::Material { what } => what.run(),
         Command::Film(film) => film.run(),
         Command::Pick(pick) => pick.run(),
         Command::Report { run } => {

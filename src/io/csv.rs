@@ -166,6 +166,47 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<Vec<T>, Inp
     reader.deserialize().map(row).collect()
 }
 
+/// A table whose columns are only known when it is read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RawTable {
+    /// The line of the names of the columns, from 1.
+    pub line: usize,
+    /// Their names, without blanks around them.
+    pub columns: Vec<String>,
+    /// Each row with its line: as many cells as there are columns, without blanks around them.
+    pub rows: Vec<(usize, Vec<String>)>,
+}
+
+/// The table of the CSV `text`; `path` is named in errors. Lines that begin with `#` are comments.
+///
+/// # Errors
+/// [`InputError`] when a row has more or fewer cells than there are columns; with the line.
+pub fn raw(text: &str, path: &Path) -> Result<RawTable, InputError> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let refused = |error: csv::Error| match error.position() {
+        Some(at) => InputError::at_line(path, at.line() as usize, error.to_string()),
+        None => InputError::new(path, error.to_string()),
+    };
+    // A record begins for the reader where the one before it ends, at comments and empty lines too.
+    let lines: Vec<&str> = text.lines().collect();
+    let line = |record: &csv::StringRecord| {
+        let first = record.position().map_or(1, |at| at.line() as usize);
+        let is_none = |line: &&&str| line.trim().is_empty() || line.starts_with('#');
+        first + lines[(first - 1).min(lines.len())..].iter().take_while(is_none).count()
+    };
+    let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+    let header = reader.headers().map_err(refused)?;
+    let (at, columns) = (line(header), cells(header));
+    let row = |row: Result<csv::StringRecord, csv::Error>| {
+        row.map(|row| (line(&row), cells(&row))).map_err(refused)
+    };
+    let rows = reader.records().map(row).collect::<Result<_, _>>()?;
+    Ok(RawTable { line: at, columns, rows })
+}
+
 #[cfg(test)]
 mod tests {
     use serde::Deserialize;
@@ -235,5 +276,14 @@ mod tests {
         let text = "# made by hand\nlabel,force\na,1\nb,much\n";
         let error = parse::<Row>(text, Path::new("a.csv")).unwrap_err();
         assert_eq!(error.line, Some(4));
+    }
+
+    #[test]
+    fn a_raw_table_knows_its_lines() {
+        let path = Path::new("a.csv");
+        let table = raw("# made by hand\na, b\n1, x\n# later\n2,y\n", path).unwrap();
+        assert_eq!((table.line, table.columns), (2, vec!["a".to_owned(), "b".to_owned()]));
+        assert_eq!(table.rows[1], (5, vec!["2".to_owned(), "y".to_owned()]));
+        assert_eq!(raw("a,b\n1,2\n3\n", path).unwrap_err().line, Some(3));
     }
 }

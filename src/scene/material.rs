@@ -11,23 +11,22 @@ use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, json};
 
+use super::presets::{self, PRESETS, Preset};
 use crate::model::material::{
-    Compressible, Key, KeyKind, KeyValue, Loading, Material, Ogden, keys, laws_in_words,
-    positive as is_positive, within as is_within,
+    Key, KeyKind, KeyValue, Loading, Material, keys, laws_in_words, positive as is_positive,
+    within as is_within,
 };
 
 /// What a file says about the material: a preset alone, or a law with its own keys.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MaterialSection {
-    /// One of [`PRESETS`].
+    /// One of [`presets::PRESETS`].
     preset: Option<String>,
     /// One of the laws of [`crate::model::material`].
     law: Option<String>,
     /// The values of the law's keys, in the order of [`keys`].
     numbers: Vec<(&'static str, KeyValue)>,
 }
-
-const PRESETS: &str = "ninjaflex-c2s, ninjaflex-c2s-compressible and ninjaflex-yap2016";
 
 impl Default for MaterialSection {
     fn default() -> Self {
@@ -50,19 +49,20 @@ impl MaterialSection {
         self.preset.as_deref().or(self.law.as_deref()).unwrap_or_default()
     }
 
+    /// The preset, where there is one of this name.
+    pub(crate) fn preset(&self) -> Option<&'static Preset> {
+        presets::named(self.preset.as_deref()?)
+    }
+
     fn of_preset(&self, preset: &str) -> anyhow::Result<Material> {
         if let Some((key, _)) = self.numbers.first() {
             bail!(
                 "[material] takes no `{key}` beside `preset`; numbers of your own go with a `law`"
             );
         }
-        match preset {
-            "ninjaflex-c2s" => Ok(Material::Ogden(Ogden::ninjaflex_c2s())),
-            "ninjaflex-c2s-compressible" => {
-                Ok(Material::Compressible(Compressible::ninjaflex_c2s()))
-            }
-            "ninjaflex-yap2016" => Ok(Material::Ogden(Ogden::ninjaflex_yap2016())),
-            _ => bail!("[material] has no preset `{preset}`; it has {PRESETS}"),
+        match presets::named(preset) {
+            Some(preset) => Ok((preset.material)()),
+            None => bail!("[material] has no preset `{preset}`; it has {}", presets::names()),
         }
     }
 }
@@ -129,7 +129,12 @@ impl JsonSchema for MaterialSection {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let mut properties = Map::new();
-        let preset = format!("A material with its numbers: {PRESETS}.");
+        let preset = |preset: &Preset| format!("{} ({})", preset.name, preset.range());
+        let presets: Vec<String> = PRESETS.iter().map(preset).collect();
+        let preset = format!(
+            "A material with its numbers, and the test behind them: {}. `pneumorph material presets` tells the sources.",
+            presets.join("; ")
+        );
         let default = Self::default().preset;
         let preset = json!({ "type": "string", "description": preset, "default": default });
         properties.insert("preset".to_owned(), preset);
@@ -198,12 +203,12 @@ impl<'de> DeserializeSeed<'de> for Kind {
 /// Where a rubber gives way within everyday stretches, a line that says so.
 pub(crate) fn instability(material: &Material) -> Option<String> {
     const EVERYDAY: [f64; 2] = [0.5, 2.0];
-    let loadings = [Loading::Uniaxial, Loading::Equibiaxial, Loading::Planar];
     let is_rubber = !matches!(material, Material::StVenantKirchhoff(_));
-    let [least, most] = loadings.iter().filter(|_| is_rubber).fold(EVERYDAY, |range, &loading| {
-        let [least, most] = material.stable_stretches(loading);
-        [range[0].max(least), range[1].min(most)]
-    });
+    let [least, most] =
+        Loading::ALL.iter().filter(|_| is_rubber).fold(EVERYDAY, |range, &loading| {
+            let [least, most] = material.stable_stretches(loading);
+            [range[0].max(least), range[1].min(most)]
+        });
     // A law that is unstable at rest fails by itself, and says so.
     ([least, most] != EVERYDAY && least < most).then(|| {
         format!(
@@ -229,7 +234,7 @@ mod tests {
     use super::*;
     use crate::io::toml_file;
     use crate::model::material::{
-        MooneyRivlin, NeoHookean, OgdenTerm, Rubber, StVenantKirchhoff, Yeoh,
+        Compressible, MooneyRivlin, NeoHookean, Ogden, OgdenTerm, Rubber, StVenantKirchhoff, Yeoh,
     };
 
     fn section(text: &str) -> MaterialSection {
@@ -281,6 +286,8 @@ mod tests {
             ("ninjaflex-c2s", 5.211_656, 0.5),
             ("ninjaflex-c2s-compressible", 5.211_656, 0.380_121),
             ("ninjaflex-yap2016", 6.212, 0.5),
+            ("dragon-skin-30", 0.178_802, 0.5),
+            ("filaflex-70a", 2.761_062, 0.5),
         ] {
             let section = section(&format!("preset = '{preset}'\n"));
             let material = section.material().unwrap();

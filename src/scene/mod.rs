@@ -16,6 +16,7 @@ pub(crate) mod mesh_section;
 mod observer;
 pub(crate) mod part;
 pub(crate) mod pattern;
+pub(crate) mod presets;
 pub(crate) mod region;
 pub(crate) mod results;
 pub(crate) mod scene_defaults;

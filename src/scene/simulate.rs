@@ -24,7 +24,8 @@ use crate::io::provenance::Provenance;
 use crate::io::{OutputFolder, atomic, msh};
 use crate::math::cpu_seconds;
 use crate::mesh::ShellElement;
-use crate::solve::{Backend, Job, Path as Walked, SolveCounts, Stop};
+use crate::model::{BorneStates, PartModel};
+use crate::solve::{Backend, Job, Path as Walked, PathPoint, SolveCounts, Stop};
 use crate::surface::SurfaceQuality;
 
 /// A scene file, where its results go, and which process this is.
@@ -140,6 +141,11 @@ pub(crate) fn simulate(
     let Actuator { mesh, model, .. } = &mut actuator;
     let rows = observations(&*mesh, model, &walked.points);
     let states = states(model, &walked.points, true);
+    if let Some(preset) = scene.material.preset()
+        && let Some(line) = preset.passed_by(|| largest_stretch(model, &walked.points))
+    {
+        observer.warning(&line);
+    }
     let seconds = StageSeconds {
         meshing,
         assembly: times.assembly,
@@ -153,6 +159,20 @@ pub(crate) fn simulate(
     write_json(&folder.file("summary.json"), &summary)?;
     lock.remove();
     Ok(Simulated { end: End::of(&walked), summary: Some(summary) })
+}
+
+/// The largest stretch of the middle of the wall, or in a solid, at any of `points`.
+fn largest_stretch(model: &PartModel, points: &[PathPoint]) -> f64 {
+    let of_point = |point: &PathPoint| match model.borne_states(&point.x) {
+        Some(BorneStates::Shell(states)) => {
+            states.iter().map(|state| state.stretches[0]).fold(1.0, f64::max)
+        }
+        Some(BorneStates::Solid(states)) => {
+            states.iter().map(|state| state.stretches[0]).fold(1.0, f64::max)
+        }
+        None => 1.0,
+    };
+    points.iter().map(of_point).fold(1.0, f64::max)
 }
 
 /// A path, and what was read off its states.

@@ -13,7 +13,7 @@ const ORDER: [&str; 11] = [
     "printing", "report",
 ];
 /// Rooms that read and write files through `io`; each may name all of `ORDER`, and `scene`.
-const ON_FILES: [&str; 3] = ["scene", "study", "verify"];
+const ON_FILES: [&str; 4] = ["scene", "study", "verify", "calibration"];
 /// Folders outside the order: `math` is the floor, `io`, `monitor` and `cli` are edges.
 const OTHERS: [&str; 4] = ["math", "io", "monitor", "cli"];
 /// Where `unsafe` may stand, besides `ffi/`: the file or folder that wraps one library.
@@ -129,7 +129,7 @@ fn check_order(path: &str, room: &str, code: &str, broken: &mut Vec<String>) {
         if is_room(named) && !may_name(room, named) {
             let line = line_of(code, at);
             broken.push(format!(
-                "{path}:{line}: room `{room}` names `{named}`, but data moves only {} -> scene -> study, verify (math below, io and cli at the edges)",
+                "{path}:{line}: room `{room}` names `{named}`, but data moves only {} -> scene -> study, verify, calibration (math below, io and cli at the edges)",
                 ORDER.join(" -> ")
             ));
         }
@@ -149,7 +149,7 @@ fn check_silence(path: &str, room: &str, code: &str, broken: &mut Vec<String>) {
         for at in word_positions(code, word) {
             let line = line_of(code, at);
             broken.push(format!(
-                "{path}:{line}: `{word}` in room `{room}`: only cli prints, and only io, report, scene, study and verify read, write or run besides"
+                "{path}:{line}: `{word}` in room `{room}`: only cli prints, and only io, report, scene, study, verify and calibration read, write or run besides"
             ));
         }
     }
@@ -211,8 +211,8 @@ fn may_name(room: &str, named: &str) -> bool {
             ("math" | "monitor", _) | (_, "monitor" | "cli") => false,
             (_, "math") => true,
             (room, "scene") => ON_FILES.contains(&room),
-            (_, "study" | "verify") => false,
-            ("scene" | "study" | "verify", _) => true,
+            (_, "study" | "verify" | "calibration") => false,
+            ("scene" | "study" | "verify" | "calibration", _) => true,
             ("io", _) => named != "report",
             (_, "io") => room == "report",
             _ => place(named) < place(room),
@@ -379,6 +379,8 @@ fn a_room_named_from_its_left_is_reported() {
     assert_broken("src/scene/a.rs", "use crate::study::X;", "names `study`");
     assert_broken("src/verify/a.rs", "use crate::study::X;", "names `study`");
     assert_broken("src/study/a.rs", "use crate::verify::X;", "names `verify`");
+    assert_broken("src/calibration/a.rs", "use crate::verify::X;", "names `verify`");
+    assert_broken("src/scene/a.rs", "use crate::calibration::X;", "names `calibration`");
     assert_broken("src/study/a.rs", "use crate::cli::X;", "names `cli`");
     assert_broken("src/scene/a.rs", "use crate::monitor::X;", "names `monitor`");
     assert_broken("src/attic/mod.rs", "", "no known room");

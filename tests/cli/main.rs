@@ -9,6 +9,7 @@ mod hostile_files;
 mod interrupted;
 mod keys;
 mod loads;
+mod material;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]
 mod monitor;

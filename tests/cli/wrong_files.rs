@@ -122,7 +122,7 @@ fn values_that_cannot_be_are_told_with_what_could() {
         ("[box]\nmin = [1, 1, 1]\nmax = [0, 0, 0]\n", "each min must be below its max"),
         (
             "[material]\npreset = \"steel\"\n",
-            "no preset `steel`; it has ninjaflex-c2s, ninjaflex-c2s-compressible and ninjaflex-yap2016",
+            "no preset `steel`; it has ninjaflex-c2s, ninjaflex-c2s-compressible, ninjaflex-yap2016,",
         ),
         (
             "[material]\nlaw = \"hooke\"\n",

@@ -21,6 +21,8 @@ rubbers! {
 
 mod compressible;
 mod file_laws;
+mod fit_form;
+mod homogeneous;
 mod incompressible_law;
 mod keys;
 #[expect(clippy::module_inception, reason = "the noun that the folder is about")]
@@ -37,6 +39,8 @@ mod test_laws;
 
 pub use compressible::Compressible;
 pub use file_laws::{keys, laws_in_words};
+pub use fit_form::{FitForm, fit_forms};
+pub use homogeneous::Loading;
 pub use keys::{InvalidMaterial, Key, KeyKind, KeyValue, positive, within};
 pub use material::Material;
 pub use of_invariants::OfInvariants;
@@ -44,6 +48,5 @@ pub use ogden_term::OgdenTerm;
 pub use rubber::Rubber;
 pub use solid::{SolidLaw, SolidResponse};
 pub use st_venant_kirchhoff::StVenantKirchhoff;
-pub use stability::Loading;
 #[cfg(test)]
 pub(crate) use test_laws::example_rubbers;

@@ -8,8 +8,9 @@
 
 use nalgebra::Matrix3;
 
+use super::fit_form::{FitForm, FittedLaw};
 use super::incompressible_law::IncompressibleLaw;
-use super::keys::{InvalidMaterial, Key, LawKeys, positive};
+use super::keys::{InvalidMaterial, Key, KeyValue, LawKeys, positive};
 use super::named_law::NamedLaw;
 use super::of_invariants::{OfInvariants, first_invariant};
 use super::solid::{SolidResponse, of_invariants};
@@ -35,6 +36,20 @@ impl NamedLaw for MooneyRivlin {
         let law = Self { c1: keys.coefficient("c1")?, c2: keys.coefficient("c2")? };
         positive("the shear modulus 2 (c1 + c2) of [material]", law.shear_modulus())?;
         Ok(law)
+    }
+}
+
+impl FittedLaw for MooneyRivlin {
+    const FORMS: &'static [FitForm] = &[FitForm {
+        name: Self::NAME,
+        starts: &[&[0.4, 0.1]],
+        is_always_stable: false,
+        is_of_first_invariant: false,
+        rubber: |x, modulus| Some(Self { c1: modulus * x[0], c2: modulus * x[1] }.into()),
+    }];
+
+    fn values(&self) -> Vec<(&'static str, KeyValue)> {
+        vec![("c1", KeyValue::Number(self.c1)), ("c2", KeyValue::Number(self.c2))]
     }
 }
 

@@ -6,8 +6,9 @@
 
 use nalgebra::Matrix3;
 
+use super::fit_form::{FitForm, FittedLaw};
 use super::incompressible_law::IncompressibleLaw;
-use super::keys::{InvalidMaterial, Key, LawKeys, POISSON_RATIO, YOUNG_MODULUS};
+use super::keys::{InvalidMaterial, Key, KeyValue, LawKeys, POISSON_RATIO, YOUNG_MODULUS};
 use super::named_law::{NamedLaw, bulk_modulus};
 use super::of_invariants::{OfInvariants, first_invariant};
 use super::solid::{SolidResponse, of_invariants};
@@ -46,6 +47,20 @@ impl NamedLaw for NeoHookean {
         let bulk_modulus =
             is_compressible.then(|| young_modulus / (3.0 * (1.0 - 2.0 * poisson_ratio)));
         Ok((law, bulk_modulus))
+    }
+}
+
+impl FittedLaw for NeoHookean {
+    const FORMS: &'static [FitForm] = &[FitForm {
+        name: Self::NAME,
+        starts: &[&[0.0]],
+        is_always_stable: true,
+        is_of_first_invariant: true,
+        rubber: |x, modulus| Some(Self { mu: modulus * x[0].exp() }.into()),
+    }];
+
+    fn values(&self) -> Vec<(&'static str, KeyValue)> {
+        vec![("mu", KeyValue::Number(self.mu))]
     }
 }
 

@@ -13,15 +13,22 @@
 
 use nalgebra::Matrix3;
 
+use super::fit_form::{FitForm, FittedLaw};
 use super::incompressible_law::IncompressibleLaw;
-use super::keys::{InvalidMaterial, Key, KeyKind, LawKeys, positive};
+use super::keys::{InvalidMaterial, Key, KeyKind, KeyValue, LawKeys, positive};
 use super::named_law::NamedLaw;
 use super::of_invariants::OfInvariants;
 use super::ogden_term::OgdenTerm;
+use super::rubber::Rubber;
 use super::solid::{SolidResponse, of_stretches};
 
 /// Measured laws have exponents up to some 25; far beyond, the powers of the stretches overflow.
 const LARGEST_EXPONENT: f64 = 100.0;
+
+/// The largest exponent that a fit tries.
+const LARGEST_FITTED: f64 = 40.0;
+/// The least: nearer to 0 a term is Hencky's law of the logarithms, and its numbers lose their figures.
+const LEAST_FITTED: f64 = 1e-3;
 
 /// Below this `y` the series is used, or below `STEEP / a^2`: it converges like `(y/2)^k`, but only after terms that grow like
 /// `(2 a^2 y)^k / (2k)!`. With 14 of them less than 1e-16 is left either way.
@@ -110,6 +117,56 @@ impl NamedLaw for Ogden {
         positive("the sum of mu over the [material] terms", modulus)?;
         Ok(Self::new(terms))
     }
+}
+
+/// With a positive `mu` each term is convex in the logarithms of the stretches, so that their sum is stable everywhere.
+impl FittedLaw for Ogden {
+    const FORMS: &'static [FitForm] = &[
+        FitForm {
+            name: "ogden (1 term)",
+            starts: &[&[0.0, 2.0], &[0.0, -2.0], &[0.0, 6.0]],
+            is_always_stable: true,
+            is_of_first_invariant: false,
+            rubber: fitted,
+        },
+        FitForm {
+            name: "ogden (2 terms)",
+            starts: &[
+                &[-0.1, 1.5, -4.0, 5.0],
+                &[-0.1, 2.0, -3.0, -2.0],
+                &[-0.7, 1.0, -0.7, 4.0],
+                &[-0.1, 1.0, -6.0, 9.0],
+                &[-0.7, -4.0, -0.7, 2.0],
+            ],
+            is_always_stable: true,
+            is_of_first_invariant: false,
+            rubber: fitted,
+        },
+        FitForm {
+            name: "ogden (3 terms)",
+            starts: &[
+                &[-0.1, 1.3, -4.0, 5.0, -4.0, -2.0],
+                &[-0.7, 1.5, -2.0, 3.5, -2.0, -2.0],
+                &[-0.1, 1.0, -3.0, 4.0, -7.0, 9.0],
+                &[-1.0, 1.0, -1.0, 3.0, -1.0, -2.0],
+            ],
+            is_always_stable: true,
+            is_of_first_invariant: false,
+            rubber: fitted,
+        },
+    ];
+
+    fn values(&self) -> Vec<(&'static str, KeyValue)> {
+        vec![("terms", KeyValue::Terms(self.terms().collect()))]
+    }
+}
+
+/// The law whose terms have the logarithms of `mu` over `modulus` and the exponents `x`, by turns.
+fn fitted(x: &[f64], modulus: f64) -> Option<Rubber> {
+    let term = |pair: &[f64]| OgdenTerm { mu: modulus * pair[0].exp(), alpha: pair[1] };
+    let terms: Vec<OgdenTerm> = x.chunks(2).map(term).collect();
+    let is_sought = |term: &OgdenTerm| (LEAST_FITTED..=LARGEST_FITTED).contains(&term.alpha.abs());
+    terms.iter().all(is_sought).then(|| Ogden::new(&terms).into())
 }
 
 impl IncompressibleLaw for Ogden {

@@ -6,8 +6,9 @@
 //!
 //! Source: Yeoh (1993).
 
+use super::fit_form::{FitForm, FittedLaw};
 use super::incompressible_law::FirstInvariantLaw;
-use super::keys::{InvalidMaterial, Key, KeyKind, LawKeys, coefficient, positive};
+use super::keys::{InvalidMaterial, Key, KeyKind, KeyValue, LawKeys, coefficient, positive};
 use super::named_law::NamedLaw;
 
 /// Incompressible Yeoh rubber; its shear modulus at rest is twice the first coefficient.
@@ -32,6 +33,20 @@ impl NamedLaw for Yeoh {
         coefficient("the second of [material] c", c[1])?;
         coefficient("the third of [material] c", c[2])?;
         Ok(Self { c })
+    }
+}
+
+impl FittedLaw for Yeoh {
+    const FORMS: &'static [FitForm] = &[FitForm {
+        name: Self::NAME,
+        starts: &[&[0.5, 0.0, 0.0]],
+        is_always_stable: false,
+        is_of_first_invariant: true,
+        rubber: |x, modulus| Some(Self { c: [0, 1, 2].map(|k| modulus * x[k]) }.into()),
+    }];
+
+    fn values(&self) -> Vec<(&'static str, KeyValue)> {
+        vec![("c", KeyValue::Triple(self.c))]
     }
 }
 
