@@ -9,8 +9,8 @@ use super::part::Part;
 use super::scenario::{Arrangement, Scenario};
 use super::settings::{FitnessSettings, LoadSettings};
 use crate::math::{Rejected, Room};
-use crate::model::PartModel;
 use crate::model::system::System;
+use crate::model::{PartModel, PartSetup};
 use crate::solve::{
     Backend, Ending, EquilibriumSolver, Path, PathPoint, PathSettings, Programme, SolveCounts,
     SolveTimes, Stop, follow_from,
@@ -168,7 +168,8 @@ impl Walker<'_> {
         if let Some(place) = self.arranged.iter().position(has_them) {
             return Ok(place);
         }
-        let model = self.part.model(&self.load.setup(arrangement.planes.clone()))?;
+        let setup = self.load.setup(arrangement.planes.clone());
+        let model = self.part.model(&PartSetup { limits: self.part.limits().to_vec(), ..setup })?;
         let solver = self.backend.solver(model.pattern())?;
         self.arranged.push(Arranged { arrangement: arrangement.clone(), model, solver });
         Ok(self.arranged.len() - 1)

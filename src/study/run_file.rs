@@ -13,8 +13,10 @@ use crate::field::DesignBox;
 use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings, WallPattern};
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
+use crate::model::MaterialLimits;
 use crate::scene::checks::{check_distance, check_mesh, check_normal, check_shell, check_solver};
 use crate::scene::keys::{annotated, sections};
+use crate::scene::limits::{LimitsSection, OfMaterial, material_limits};
 use crate::scene::material::{MaterialSection, positive, within};
 use crate::scene::part::solid_part::{ONE_THICKNESS, SolidSection};
 use crate::scene::pattern::PatternSection;
@@ -31,6 +33,9 @@ pub struct RunFile {
     pub(crate) mesh: MeshSettings,
     pub(crate) wall: ShellSettings,
     pub(crate) material: MaterialSection,
+    /// What the material may bear: the path of a design that reaches it ends there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) limits: Option<LimitsSection>,
     /// A wall that is not the same everywhere, by further genes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) pattern: Option<PatternSection>,
@@ -60,6 +65,7 @@ impl Default for RunFile {
             mesh: MeshSettings::default(),
             wall: ShellSettings::default(),
             material: MaterialSection::default(),
+            limits: None,
             pattern: None,
             load: LoadSettings::default(),
             // A search runs on threads, and PETSc would make them take turns.
@@ -113,6 +119,7 @@ impl RunFile {
         self.evolution.validate().context("[evolution]")?;
         self.representation()?;
         self.material.material()?;
+        self.limits()?;
         within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
         check_distance("[fitness] plane_distance", self.fitness.plane_distance)?;
         check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
@@ -135,6 +142,13 @@ impl RunFile {
             further.iter().map(|objective| objective.name).collect::<Vec<_>>()
         );
         Ok(())
+    }
+
+    /// What each material of its designs may bear; none where nothing is said of any.
+    fn limits(&self) -> anyhow::Result<Vec<MaterialLimits>> {
+        let first = OfMaterial::first(&self.material, self.limits.as_ref());
+        let second = self.pattern.iter().map(PatternSection::limited);
+        material_limits(first, second, self.load.stretch_bound)
     }
 
     /// What the networks of its designs may say of their walls.
@@ -165,6 +179,7 @@ impl RunFile {
             mesh: self.mesh,
             wall: self.wall,
             material: self.material.material()?,
+            limits: self.limits()?,
             pattern: self.pattern()?,
             load: self.load,
             fitness: self.fitness.clone(),

@@ -8,6 +8,7 @@ mod extremes;
 mod hostile_files;
 mod interrupted;
 mod keys;
+mod limits;
 mod loads;
 mod mesh_and_report;
 #[cfg(feature = "monitor")]

@@ -43,7 +43,7 @@ mod tests {
         let settings = ShellSettings { thickness: 2.0, ..ShellSettings::default() };
         let shell = ShellMesh::new(TriangleMesh::sphere(10.0, 4), &settings).unwrap();
         let material = Material::Ogden(Ogden::ninjaflex_c2s());
-        let part = ShellPart { shell: &shell, materials: material.as_ref() };
+        let part = ShellPart { shell: &shell, materials: material.as_ref(), limits: &[] };
         let settings = FitnessSettings::default();
         let reading = Reading { part: &part, settings: &settings, walked: &[] };
         let volume = OBJECTIVE.value(&reading);
