@@ -1,10 +1,11 @@
 //! From a genome or a network to its outcome: all rooms in a row.
 
 use super::evaluate::evaluate;
+use super::load_settings::LoadSettings;
 use super::outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
 use super::part::ShellPart;
 use super::pattern::WallPattern;
-use super::settings::{FitnessSettings, LoadSettings};
+use super::settings::FitnessSettings;
 use super::walk::Scenarios;
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
 use crate::genome::{Network, Representation};

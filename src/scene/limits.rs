@@ -137,10 +137,10 @@ mod tests {
         let of_stretch =
             |stretch| LimitsSection { stretch: Some(stretch), ..LimitsSection::default() };
         let [low, high] = [1.2, 1.6].map(of_stretch);
-        let of = |section, material, limits| OfMaterial { section, material, limits };
         let stretches = |first: Option<&LimitsSection>, second: Option<&LimitsSection>| {
             let first = OfMaterial::first(&preset, first);
-            let second = of("[pattern] limits", Some(&preset), second);
+            let (section, material) = ("[pattern] limits", Some(&preset));
+            let second = OfMaterial { section, material, limits: second };
             let all = material_limits(first, std::iter::once(second), 6.0).unwrap();
             all.iter().map(|limits| limits.stretch).collect::<Vec<_>>()
         };
@@ -148,7 +148,8 @@ mod tests {
         assert_eq!(stretches(Some(&low), None), [Some(1.2), Some(1.2)]);
         assert_eq!(stretches(Some(&low), Some(&high)), [Some(1.2), Some(1.6)]);
         assert_eq!(stretches(None, Some(&high)), [None, Some(1.6)]);
-        let alone = of("[[region]] limits", None, Some(&high));
+        let section = "[[region]] limits";
+        let alone = OfMaterial { section, material: None, limits: Some(&high) };
         let first = OfMaterial::first(&preset, None);
         let told = material_limits(first, std::iter::once(alone), 6.0).unwrap_err().to_string();
         assert!(told.contains("wants a `material` beside it"), "{told}");

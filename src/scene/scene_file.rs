@@ -503,6 +503,7 @@ impl SceneFile {
         let largest = if self.part.patch.is_some() { 1.0 } else { pressure };
         LoadSettings {
             pressure: largest,
+            rated: None,
             stretch_bound: self.load.stretch_bound,
             path: self.load.path,
         }

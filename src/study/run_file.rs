@@ -102,7 +102,7 @@ impl RunFile {
     /// Itself, when every value is one that the program can work with.
     pub(crate) fn checked(&self) -> anyhow::Result<&Self> {
         check_solver(self.solver.backend)?;
-        positive("[load] pressure", self.load.pressure)?;
+        self.check_pressure()?;
         check_shell(&self.wall, &self.load)?;
         check_mesh(self.design_box, &self.mesh)?;
         ensure!(
@@ -131,6 +131,20 @@ impl RunFile {
             "[wall] clamp_height holds {clamped:.2} mm of a box of {height} mm, tip included; it must be smaller"
         );
         Ok(self)
+    }
+
+    fn check_pressure(&self) -> anyhow::Result<()> {
+        let Some(rated) = self.load.rated else {
+            positive("[load] pressure", self.load.pressure)?;
+            return Ok(());
+        };
+        positive("[load] largest_pressure", self.load.pressure)?;
+        positive("[load] reference_pressure", rated.reference)?;
+        ensure!(
+            self.limits.is_some(),
+            "[load] pressure = \"rated\" is the pressure at which the material is at its limit; say what that is in [limits], as stretch = 1.5"
+        );
+        Ok(())
     }
 
     fn check_further_objectives(&self) -> anyhow::Result<()> {

@@ -1,5 +1,6 @@
 //! What is said of a material's limits, and of the paths that they end.
 
+use super::evolve::RESUME;
 use super::workshop::Workshop;
 
 /// A balloon of neo-Hookean rubber, t/R = 0.01; its pressure is never more than 0.0248 MPa, at a stretch of 1.38.
@@ -126,4 +127,94 @@ fn a_wall_past_its_limit_at_rest_is_refused() {
         1,
         &["the wall is past its [limits] at rest"],
     );
+}
+
+/// 8 coarse candidates in 2 generations, each walked to the limit of its material.
+const RATED: &str = "
+[evolution]
+population = 8
+generations = 2
+seed = 3
+
+[mesh]
+edge = 5.0
+
+[limits]
+stretch = 1.15
+
+[load]
+pressure = \"rated\"
+largest_pressure = 0.3
+reference_pressure = 0.05
+
+[load.path]
+steps = 2
+";
+
+/// All of a design is read at one pressure, the least that its paths came to; at the reference pressure besides, where it comes to that.
+/// A search that goes on finds the same bytes.
+#[test]
+fn a_search_rates_each_design() {
+    let workshop = Workshop::new();
+    workshop.write("run.toml", RATED);
+    workshop.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "2"]);
+    let lines = workshop.read("out/candidates.jsonl");
+    let records: Vec<serde_json::Value> =
+        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let evaluated: Vec<_> = records.iter().filter(|it| it["status"] == "evaluated").collect();
+    assert!(evaluated.len() > 3, "{lines}");
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let mut pressures = Vec::new();
+    for record in &evaluated {
+        let rated = number(&record["rated_pressure"]);
+        let ends = ["bending_pressure", "blocking_pressure"].map(|key| number(&record[key]));
+        assert!(rated <= ends[0].min(ends[1]) && rated > 0.0, "{record}");
+        if record["bending_ending"] == "limit_reached" {
+            assert!(ends[0] < 0.3, "{record}");
+            pressures.push(rated);
+        }
+        let told = &record["at_reference"];
+        assert_eq!(told.is_null(), rated < 0.05, "{record}");
+        if !told.is_null() {
+            // Both are the quotient at one sample: N over N/kPa.
+            assert_eq!(number(&told["pressure"]), 0.05);
+            let [force, per] = [&told["max_force"], &told["objectives"]["blocking"]].map(number);
+            assert!((force - per * 50.0).abs() <= 1e-9 * force.max(1e-9), "{record}");
+        }
+        let [force, per] = [&record["max_force"], &record["blocking"]].map(number);
+        assert!((force - per * 1e3 * rated).abs() <= 1e-9 * force.max(1e-9), "{record}");
+    }
+    assert!(pressures.len() > 1 && pressures.iter().any(|p| *p != pressures[0]), "{pressures:?}");
+    let columns = workshop.read("out/front.csv").lines().next().unwrap().to_owned();
+    let end = "rated_pressure,reference_pressure,reference_bending,reference_blocking,\
+               reference_figure_of_merit,reference_max_force,reference_angle_deg";
+    assert!(columns.ends_with(end), "{columns}");
+    let table = workshop.succeed(&["report", "out"]);
+    assert!(table.contains("rated pressure") && table.contains("angle at 0.05 MPa"), "{table}");
+    assert!(workshop.read("out/report.html").contains("the rated pressure, at which each"));
+
+    // The first generation alone, then the second.
+    let other = Workshop::new();
+    other.write("run.toml", RATED.replace("generations = 2", "generations = 1"));
+    other.succeed(&["evolve", "run.toml", "--out", "out", "--threads", "2"]);
+    other.write("run.toml", RATED);
+    other.succeed(&RESUME);
+    assert_eq!(other.read("out/front.csv"), workshop.read("out/front.csv"));
+    assert_eq!(other.read("out/history.csv"), workshop.read("out/history.csv"));
+}
+
+#[test]
+fn what_is_no_rated_pressure_is_told() {
+    let workshop = Workshop::new();
+    workshop
+        .refuse_run("[load]\npressure = \"rated\"\n", &["[load] pressure = \"rated\"", "[limits]"]);
+    workshop.refuse_run(
+        "[load]\npressure = \"full\"\n",
+        &["run.toml:2", "\"full\"", "a number (MPa) or \"rated\""],
+    );
+    workshop.refuse_run("[load]\nlargest_pressure = 0.3\n", &["want pressure = \"rated\""]);
+    let rated = "[limits]\nstretch = 1.5\n[load]\npressure = \"rated\"\n";
+    workshop.refuse_run(&format!("{rated}largest_pressure = -1\n"), &["[load] largest_pressure"]);
+    workshop
+        .refuse_run(&format!("{rated}reference_pressure = 0\n"), &["[load] reference_pressure"]);
 }

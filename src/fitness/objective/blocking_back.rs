@@ -63,7 +63,8 @@ mod tests {
             let shell = ShellMesh::new(balloon(side), &settings).unwrap();
             let part = ShellPart { shell: &shell, materials: material.as_ref(), limits: &[] };
             let mut counts = SolveCounts::default();
-            let evaluated = evaluate(&part, &load, &asked, Backend::Native, Stop::NEVER, &mut counts);
+            let evaluated =
+                evaluate(&part, &load, &asked, Backend::Native, Stop::NEVER, &mut counts);
             let (evaluation, scenarios) = evaluated.unwrap();
             assert_eq!(scenarios.walked.len(), 3);
             ["blocking", "blocking_back"].map(|name| evaluation.objectives[name])

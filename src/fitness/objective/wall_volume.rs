@@ -45,7 +45,7 @@ mod tests {
         let material = Material::Ogden(Ogden::ninjaflex_c2s());
         let part = ShellPart { shell: &shell, materials: material.as_ref(), limits: &[] };
         let settings = FitnessSettings::default();
-        let reading = Reading { part: &part, settings: &settings, walked: &[] };
+        let reading = Reading { part: &part, settings: &settings, walked: &[], at: None };
         let volume = OBJECTIVE.value(&reading);
         // 5,120 facets lie inside the sphere: their area is some 0.2 % less.
         assert_relative_eq!(volume, 0.8 * PI, max_relative = 4e-3);

@@ -553,7 +553,7 @@ mod tests {
         let law = Material::NeoHookean(NeoHookean { mu: 1.3 }).solid().unwrap();
         let body = TaylorHood::new(&mesh, &[law], 2.0).unwrap();
         let stretches = [1.25, 0.8, 1.0_f64];
-        let turn = nalgebra::Rotation3::new(Vec3::new(0.4, -1.1, 0.7)).into_inner();
+        let turn = Rotation3::new(Vec3::new(0.4, -1.1, 0.7)).into_inner();
         let f = turn * Matrix3::from_diagonal(&Vec3::from(stretches));
         for (q, along) in [(0.1, 0), (3.0, 1)] {
             let mut x: Vec<Vec3> = mesh.positions.iter().map(|x| f * x).collect();
