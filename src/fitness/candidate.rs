@@ -1,15 +1,17 @@
 //! From a genome or a network to its outcome: all rooms in a row.
 
 use super::evaluate::evaluate;
+use super::load_settings::LoadSettings;
 use super::outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
 use super::part::ShellPart;
 use super::pattern::WallPattern;
-use super::settings::{FitnessSettings, LoadSettings};
+use super::settings::FitnessSettings;
 use super::walk::Scenarios;
 use crate::field::{CappedField, CompiledNetwork, DesignBox};
 use crate::genome::{Network, Representation};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::{MeshSettings, ShellMesh, ShellSettings, shell_of_field};
+use crate::model::MaterialLimits;
 use crate::model::material::Material;
 use crate::solve::{Backend, SolveCounts, SolverFailure, Stop};
 
@@ -24,6 +26,8 @@ pub struct CandidateSettings {
     pub wall: ShellSettings,
     /// What the wall is made of.
     pub material: Material,
+    /// What the [`Self::materials`] may bear, in their order; none of those that are left out.
+    pub limits: Vec<MaterialLimits>,
     /// What its network may say of the wall.
     pub pattern: WallPattern,
     /// How it is loaded.
@@ -49,6 +53,7 @@ impl CandidateSettings {
             mesh: MeshSettings::default(),
             wall: ShellSettings::default(),
             material,
+            limits: Vec::new(),
             pattern: WallPattern::default(),
             load: LoadSettings::default(),
             fitness: FitnessSettings::default(),
@@ -149,7 +154,7 @@ pub fn evaluate_network_until(
     };
     let CandidateSettings { load, fitness, backend, .. } = settings;
     let materials = settings.materials();
-    let part = ShellPart { shell: &mesh, materials: &materials };
+    let part = ShellPart { shell: &mesh, materials: &materials, limits: &settings.limits };
     let evaluated = evaluate(&part, load, fitness, *backend, stop, &mut counts);
     let total = cpu_seconds() - start;
     match evaluated {

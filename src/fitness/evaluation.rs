@@ -37,6 +37,40 @@ pub struct Evaluation {
     pub endings: BTreeMap<String, ScenarioEnding>,
     /// Reasons to doubt the objectives.
     pub exploits: Vec<Exploit>,
+    /// Where it is judged at a pressure of its own.
+    pub rated: Option<Rated>,
+}
+
+/// The pressure of its own at which a design is judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rated {
+    /// MPa.
+    pub pressure: f64,
+    /// What it is at the reference pressure, where it comes to that.
+    pub at_reference: Option<AtReference>,
+}
+
+/// A design at the pressure at which all are told.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AtReference {
+    /// MPa.
+    pub pressure: f64,
+    /// What is read there.
+    #[serde(flatten)]
+    pub readings: Readings,
+}
+
+/// What is read off the paths of a design.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Readings {
+    /// As [`Evaluation::objectives`].
+    pub objectives: BTreeMap<String, f64>,
+    /// As [`Evaluation::figure_of_merit`].
+    pub figure_of_merit: f64,
+    /// As [`Evaluation::max_force`].
+    pub max_force: f64,
+    /// As [`Evaluation::angle_deg`].
+    pub angle_deg: f64,
 }
 
 /// How a scenario ended.
@@ -92,6 +126,10 @@ impl Serialize for Evaluation {
             keys.serialize_entry(&format!("{action}{PRESSURE}"), pressure)?;
         }
         keys.serialize_entry("exploits", &self.exploits)?;
+        if let Some(Rated { pressure, at_reference }) = &self.rated {
+            keys.serialize_entry("rated_pressure", pressure)?;
+            keys.serialize_entry("at_reference", at_reference)?;
+        }
         let further = self.further();
         if !further.is_empty() {
             keys.serialize_entry("further", &further)?;
@@ -114,6 +152,8 @@ struct Keys {
     newton_iterations: usize,
     snaps: usize,
     exploits: Vec<Exploit>,
+    rated_pressure: Option<f64>,
+    at_reference: Option<AtReference>,
     #[serde(default)]
     further: BTreeMap<String, f64>,
     #[serde(flatten)]
@@ -161,6 +201,9 @@ impl<'de> Deserialize<'de> for Evaluation {
             newton_iterations: keys.newton_iterations,
             snaps: keys.snaps,
             exploits: keys.exploits,
+            rated: keys
+                .rated_pressure
+                .map(|pressure| Rated { pressure, at_reference: keys.at_reference }),
         })
     }
 }
@@ -178,12 +221,18 @@ mod tests {
     #[test]
     fn records_keep_their_keys() {
         let further = CLASSIC.replace("]}", "],\"further\":{\"wall_volume\":12.5}}");
-        for text in [CLASSIC, &further] {
+        let rated = CLASSIC.replace(
+            "]}",
+            "],\"rated_pressure\":0.31,\"at_reference\":{\"pressure\":0.2,\"objectives\":{\"bending\":0.5},\
+             \"figure_of_merit\":2.0,\"max_force\":0.25,\"angle_deg\":9.0}}",
+        );
+        let not_told = CLASSIC.replace("]}", "],\"rated_pressure\":0.125,\"at_reference\":null}");
+        for text in [CLASSIC, &further, &rated, &not_told] {
             let read: Outcome = serde_json::from_str(text).unwrap();
             assert_eq!(serde_json::to_string(&read).unwrap(), text);
             let Outcome::Evaluated(evaluation) = read else { panic!("it was evaluated") };
             assert_eq!(evaluation.endings["blocking"].ending, Ending::LimitPoint);
-            assert_eq!(evaluation.known().count(), if text == CLASSIC { 2 } else { 3 });
+            assert_eq!(evaluation.known().count(), if text == further { 3 } else { 2 });
         }
         let lacking = CLASSIC.replace("\"blocking\":0.0,", "");
         let error = serde_json::from_str::<Outcome>(&lacking).unwrap_err().to_string();

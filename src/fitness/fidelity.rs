@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::observation::Observation;
 use super::walk::Scenarios;
+use crate::solve::Ending;
 
 /// What a deviation means.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -66,11 +67,14 @@ impl Certificate {
     pub fn new(shell: &Scenarios, solid: &Scenarios, settings: &FidelitySettings) -> Self {
         let rows = shell.walked.iter().filter_map(|shell| {
             let other = solid.walked.iter().find(|solid| solid.scenario == shell.scenario)?;
-            Some((shell.scenario, [&shell.rows[..], &other.rows]))
+            let are_limited =
+                [shell, other].iter().all(|one| one.path.ending == Ending::LimitReached);
+            Some((shell.scenario, [&shell.rows[..], &other.rows], are_limited))
         });
         let (mut angle, mut force, mut work, mut growth) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         let mut common = 1.0_f64;
-        for (scenario, rows) in rows {
+        let mut unlike = 0.0_f64;
+        for (scenario, rows, are_limited) in rows {
             if scenario.branches_off.is_none() {
                 angle = angle.max(deviation(rows, LEAST_ANGLE, |row, _| row.angle_deg));
                 work = work.max(deviation(rows, 0.0, |row, _| row.work));
@@ -78,13 +82,16 @@ impl Certificate {
             } else {
                 force = force.max(deviation(rows, 0.0, |row, _| row.plane_force));
             }
-            common = common.min(common_pressure(rows));
+            let of_rows = common_pressure(rows);
+            common = common.min(of_rows);
+            // Where both were walked to the limit of the material, its pressure is a number as others are.
+            unlike = unlike.max(if are_limited || of_rows == 1.0 { 1.0 - of_rows } else { 1.0 });
         }
         let common_pressure = common;
-        let largest = [angle, force, work, growth].into_iter().fold(0.0, f64::max);
-        let verdict = if largest <= settings.trust && common_pressure == 1.0 {
+        let largest = [angle, force, work, growth, unlike].into_iter().fold(0.0, f64::max);
+        let verdict = if largest <= settings.trust {
             Verdict::Trust
-        } else if largest <= settings.check && common_pressure == 1.0 {
+        } else if largest <= settings.check {
             Verdict::Check
         } else {
             Verdict::Misleads

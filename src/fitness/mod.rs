@@ -8,6 +8,7 @@ mod evaluate;
 mod evaluation;
 mod exploit;
 mod fidelity;
+mod load_settings;
 mod merit;
 mod objective;
 mod observation;
@@ -24,9 +25,10 @@ pub use candidate::{
     shell_of_network,
 };
 pub use evaluate::evaluate;
-pub use evaluation::{Evaluation, ScenarioEnding};
+pub use evaluation::{AtReference, Evaluation, Rated, Readings, ScenarioEnding};
 pub use exploit::{Exploit, flags};
 pub use fidelity::{Certificate, FidelitySettings, Verdict};
+pub use load_settings::{LoadSettings, RatedSettings};
 pub use merit::figure_of_merit;
 pub use objective::{
     Asked, OBJECTIVES, Objective, Reading, Samples, Sense, UnknownObjective, Value, objective,
@@ -36,6 +38,6 @@ pub use outcome::{NotEvaluated, Outcome, StageSeconds, Unevaluated};
 pub use part::{Part, ShellPart};
 pub use pattern::WallPattern;
 pub use scenario::{Arrangement, SCENARIOS, Scenario};
-pub use settings::{FitnessSettings, LoadSettings};
+pub use settings::FitnessSettings;
 pub use turning::Turning;
-pub use walk::{Scenarios, Walked};
+pub use walk::{RatedPressure, Scenarios, Walked};

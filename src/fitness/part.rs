@@ -3,7 +3,7 @@
 use crate::math::Rejected;
 use crate::mesh::ShellMesh;
 use crate::model::material::Material;
-use crate::model::{PartModel, PartSetup, Support};
+use crate::model::{MaterialLimits, PartModel, PartSetup, Support};
 
 /// A part of one chamber that can be put through scenarios.
 pub trait Part {
@@ -16,6 +16,11 @@ pub trait Part {
     /// [`Rejected`] when the part has none.
     fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected>;
 
+    /// What each of its materials may bear; none of those that are left out.
+    fn limits(&self) -> &[MaterialLimits] {
+        &[]
+    }
+
     /// Volume of the wall at rest, cm^3.
     fn wall_volume_cm3(&self) -> f64;
 }
@@ -27,6 +32,8 @@ pub struct ShellPart<'a> {
     pub shell: &'a ShellMesh,
     /// The materials that its section names by their places.
     pub materials: &'a [Material],
+    /// What these may bear, in their order; none of those that are left out.
+    pub limits: &'a [MaterialLimits],
 }
 
 impl Part for ShellPart<'_> {
@@ -36,6 +43,10 @@ impl Part for ShellPart<'_> {
 
     fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected> {
         PartModel::new(self.shell, self.materials, &Support::Clamp, setup)
+    }
+
+    fn limits(&self) -> &[MaterialLimits] {
+        self.limits
     }
 
     fn wall_volume_cm3(&self) -> f64 {

@@ -1,4 +1,4 @@
-//! What a run asks: how a part is loaded, and which objectives it is judged by.
+//! What a run asks of its designs.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -7,34 +7,6 @@ use super::objective::{Objective, UnknownObjective, always_asked, by_name};
 use super::scenario::{Scenario, with_origins};
 use crate::math::Vec3;
 use crate::model::contact::PlaneSettings;
-use crate::model::{DEFAULT_STRETCH_BOUND, PartSetup};
-use crate::solve::PathSettings;
-
-/// The loading programme.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct LoadSettings {
-    /// Largest chamber pressure, MPa.
-    pub pressure: f64,
-    /// The stretch of the wall beyond which a path ends as ballooning.
-    pub stretch_bound: f64,
-    /// How the path is walked.
-    pub path: PathSettings,
-}
-
-impl Default for LoadSettings {
-    fn default() -> Self {
-        Self { pressure: 0.2, stretch_bound: DEFAULT_STRETCH_BOUND, path: PathSettings::default() }
-    }
-}
-
-impl LoadSettings {
-    /// The setup of a part among `planes`, with the bound on its stretch.
-    #[must_use]
-    pub fn setup(&self, planes: Vec<PlaneSettings>) -> PartSetup {
-        PartSetup { planes, stretch_bound: self.stretch_bound, ..PartSetup::default() }
-    }
-}
 
 /// What the objectives ask.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,14 +3,15 @@
 //! Until the part comes near the planes of a scenario, that is the one that it branches off from, and what they have in common is walked
 //! once.
 
+use super::load_settings::LoadSettings;
 use super::observation::{Observation, observations};
 use super::outcome::{NotEvaluated, Unevaluated};
 use super::part::Part;
 use super::scenario::{Arrangement, Scenario};
-use super::settings::{FitnessSettings, LoadSettings};
+use super::settings::FitnessSettings;
 use crate::math::{Rejected, Room};
-use crate::model::PartModel;
 use crate::model::system::System;
+use crate::model::{PartModel, PartSetup};
 use crate::solve::{
     Backend, Ending, EquilibriumSolver, Path, PathPoint, PathSettings, Programme, SolveCounts,
     SolveTimes, Stop, follow_from,
@@ -58,8 +59,19 @@ pub struct Scenarios {
     models: Vec<PartModel>,
     /// Each after the one that it branches off from.
     pub walked: Vec<Walked>,
+    /// Where each design is judged at a pressure of its own: that pressure.
+    pub rated: Option<RatedPressure>,
     /// CPU seconds of the solvers.
     pub times: SolveTimes,
+}
+
+/// The pressure at which a design is judged: the least that its scenarios came to, before a limit of the material or another end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RatedPressure {
+    /// MPa; each path has a sample there.
+    pub pressure: f64,
+    /// The pressure at which it is told besides, MPa; none where it does not come to that.
+    pub reference: Option<f64>,
 }
 
 impl Scenarios {
@@ -134,6 +146,7 @@ pub(super) fn walk_scenarios(
         let walked = walker.walked(*scenario, arrangement, model, in_place)?;
         walker.walked.push(walked);
     }
+    let rated = load.rated.map(|rated| walker.rate(rated.reference)).transpose()?;
     let Walker { arranged, walked, .. } = walker;
     let mut times = SolveTimes::default();
     for Arranged { solver, .. } in &arranged {
@@ -141,7 +154,7 @@ pub(super) fn walk_scenarios(
         times.factorization += solver.times().factorization;
     }
     let models = arranged.into_iter().map(|arranged| arranged.model).collect();
-    Ok(Scenarios { models, walked, times })
+    Ok(Scenarios { models, walked, rated, times })
 }
 
 /// A model with the arrangement that it was made for.
@@ -168,7 +181,8 @@ impl Walker<'_> {
         if let Some(place) = self.arranged.iter().position(has_them) {
             return Ok(place);
         }
-        let model = self.part.model(&self.load.setup(arrangement.planes.clone()))?;
+        let setup = self.load.setup(arrangement.planes.clone());
+        let model = self.part.model(&PartSetup { limits: self.part.limits().to_vec(), ..setup })?;
         let solver = self.backend.solver(model.pattern())?;
         self.arranged.push(Arranged { arrangement: arrangement.clone(), model, solver });
         Ok(self.arranged.len() - 1)
@@ -208,6 +222,7 @@ impl Walker<'_> {
         Ok(Walked { scenario, path, rows, common, model, in_place })
     }
 
+    /// Follows a path; one of a design with a pressure of its own over a sample at the reference pressure.
     fn follow(
         &mut self,
         model: usize,
@@ -215,11 +230,91 @@ impl Walker<'_> {
         points: Vec<PathPoint>,
         step: f64,
     ) -> Result<Path, NotEvaluated> {
-        let Self { load, stop, counts, arranged, .. } = self;
+        let path = self.load.path;
+        let (Some(rated), Programme::Driven { end, .. }) = (self.load.rated, programme) else {
+            return self.follow_by(&path, model, programme, points, step);
+        };
+        let from = points.last().map_or(0.0, |last| last.load);
+        if rated.reference >= end || rated.reference <= from {
+            return self.follow_by(&path, model, programme, points, step);
+        }
+        let first = self.follow_by(&path, model, rated.reference.into(), points, step)?;
+        if !first.ending.is_complete() {
+            return Ok(first);
+        }
+        let mut second = self.follow_by(&path, model, programme, first.points, f64::INFINITY)?;
+        second.counts += first.counts;
+        Ok(second)
+    }
+
+    /// The pressure at which the design is judged, after each path got a sample there.
+    fn rate(&mut self, reference: f64) -> Result<RatedPressure, NotEvaluated> {
+        let last = |walked: &Walked| walked.path.points.last().map_or(0.0, |last| last.load);
+        let reached = self.walked.iter().map(last);
+        let pressure = reached.fold(self.load.pressure, f64::min);
+        for k in 0..self.walked.len() {
+            self.sample_at(k, pressure)?;
+        }
+        let is_reached = |walked: &Walked| {
+            walked.rows.iter().any(|row| row.is_sample && row.pressure == reference)
+        };
+        let is_told = reference <= pressure && self.walked.iter().all(is_reached);
+        Ok(RatedPressure { pressure, reference: is_told.then_some(reference) })
+    }
+
+    /// Puts a sample at `pressure` into the path of the walked scenario `k`, which goes further, where it has none.
+    fn sample_at(&mut self, k: usize, pressure: f64) -> Result<(), NotEvaluated> {
+        let Walked { scenario, path, common, model, in_place, .. } = &self.walked[k];
+        let (scenario, model, in_place) = (*scenario, *model, *in_place);
+        let (mut path, mut common) = (path.clone(), *common);
+        let Some(next) = path.points.iter().position(|point| point.load >= pressure) else {
+            return Ok(());
+        };
+        if path.points[next].load == pressure {
+            path.points[next].is_sample = true;
+        } else {
+            self.arranged[model].model.lift_planes(!in_place);
+            let before = path.points[..next].to_vec();
+            // One sample, at the end, steps as small as on the way, and a budget of its own: what was reached is to be read.
+            let settings = PathSettings {
+                steps: 1,
+                iteration_budget: usize::MAX,
+                halvings: self.load.path.halvings + self.load.path.steps.ilog2() + 1,
+                ..self.load.path
+            };
+            let step = path.points[next].load - before.last().map_or(0.0, |last| last.load);
+            let found = self.follow_by(&settings, model, pressure.into(), before, step)?;
+            if !found.ending.is_complete() {
+                let detail = format!(
+                    "{}: no state was found at the rated pressure, {pressure:.5} MPa, between two others",
+                    scenario.action
+                );
+                let rejected = Rejected::new(Room::Solve, found.ending.reason(), detail, 1e-3);
+                return Err(rejected.into());
+            }
+            let between = found.points.len() - next;
+            common += if next < common { between } else { 0 };
+            drop(path.points.splice(next..next, found.points.into_iter().skip(next)));
+        }
+        let rows = observations(self.part.shell(), &self.arranged[model].model, &path.points);
+        let walked = &mut self.walked[k];
+        (walked.path, walked.rows, walked.common) = (path, rows, common);
+        Ok(())
+    }
+
+    fn follow_by(
+        &mut self,
+        settings: &PathSettings,
+        model: usize,
+        programme: Programme,
+        points: Vec<PathPoint>,
+        step: f64,
+    ) -> Result<Path, NotEvaluated> {
+        let Self { stop, counts, arranged, .. } = self;
         let Arranged { model, solver, .. } = &mut arranged[model];
-        let budget = load.path.iteration_budget;
+        let budget = settings.iteration_budget;
         let iteration_budget = budget.saturating_sub(counts.newton_iterations);
-        let settings = PathSettings { iteration_budget, ..load.path };
+        let settings = PathSettings { iteration_budget, ..*settings };
         let path = follow_from(model, solver.as_mut(), programme, points, step, &settings, *stop)?;
         **counts += path.counts;
         let is_stopped = path.ending == Ending::Interrupted;

@@ -107,6 +107,8 @@ reasons! {
     Reached = "reached",
     /// As before, over a loss of stability.
     SnappedAndContinued = "snapped_and_continued",
+    /// The wall reached the limit of its material.
+    LimitReached = "limit_reached",
     /// No stable equilibrium was near.
     LimitPoint = "limit_point",
     /// The equilibrium was not stable.

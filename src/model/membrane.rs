@@ -98,6 +98,13 @@ impl PlaneState {
         Self { stretches: [l1, l2, l3], stresses: squares.map(stress) }
     }
 
+    /// The largest principal nominal stress (first Piola and Kirchhoff), `J s_i / l_i`, at least 0, as nothing pulls across it; MPa.
+    pub(super) fn largest_nominal_stress(&self) -> f64 {
+        let [l1, l2, l3] = self.stretches;
+        let [s1, s2] = self.stresses;
+        (s1 * l2 * l3).max(s2 * l1 * l3).max(0.0)
+    }
+
     /// Von Mises' stress, MPa.
     pub(super) fn von_mises(&self) -> f64 {
         let [s1, s2] = self.stresses;

@@ -18,12 +18,14 @@ use super::discretization::{Discretization, Wall};
 use super::element::{Sample, ascending};
 use super::load::{ChamberPressure, DeadForces};
 use super::material::Material;
+use super::material_limits::MaterialLimits;
 use super::part_setup::{FoldContact, PartSetup, Support};
 use super::part_term::{PartTerm, Placed, in_place, in_place_mut};
 use super::solid_loads::SolidLoads;
 use super::stretch_bound::StretchBound;
 use super::system::{
     Inadmissible, Layout, Limit, LoadedSystem, Memory, Multiplier, SparsityPattern, System,
+    Utilization,
 };
 use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{Location, ShellMesh, SolidMesh, quadratic_shapes};
@@ -41,6 +43,8 @@ pub struct PartModel {
     pub(super) assembler: Assembler,
     pub(super) dirichlet: Dirichlet,
     pub(super) force_scale: f64,
+    /// Of each material, in the order of the list that the model was given.
+    pub(super) limits: Vec<MaterialLimits>,
     energy_rounding: f64,
     /// Points whose displacements are shown.
     shown: Vec<Sample>,
@@ -162,6 +166,7 @@ impl PartModel {
         let (stiffest, thickest) = (Material::stiffest(materials), body.surface.thickest());
         Self {
             load: 0.0,
+            limits: setup.limits.clone(),
             planes,
             fold_watch,
             dirichlet: Dirichlet::new(assembler.pattern(), held),
@@ -479,6 +484,11 @@ impl LoadedSystem for PartModel {
     fn passed_limit(&self, u: &[f64]) -> Option<Limit> {
         let at = self.body.at(u);
         in_place(&self.terms).find_map(|term| term.passed_limit(&at))
+    }
+
+    fn utilization(&self, u: &[f64]) -> Option<Utilization> {
+        let used = self.used_limit(u)?;
+        Some(Utilization { share: used.share, unknown: 3 * used.node as usize })
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a part stands among: its planes, its own folds, the bounds of its model.
 
 use super::contact::{PlaneSettings, SelfContactSettings};
+use super::material_limits::MaterialLimits;
 use super::stretch_bound::DEFAULT_STRETCH_BOUND;
 use crate::math::Vec3;
 
@@ -13,6 +14,8 @@ pub struct PartSetup {
     pub folds: Option<FoldContact>,
     /// The stretch beyond which the part is said to balloon.
     pub stretch_bound: f64,
+    /// What each material may bear, in the order of the list that the model is given; none of those that are left out.
+    pub limits: Vec<MaterialLimits>,
     /// Force per volume of the wall at rest, N/mm^3: its weight. It acts whole, whatever the load.
     pub body_force: Vec3,
 }
@@ -23,6 +26,7 @@ impl Default for PartSetup {
             planes: Vec::new(),
             folds: None,
             stretch_bound: DEFAULT_STRETCH_BOUND,
+            limits: Vec::new(),
             body_force: Vec3::zeros(),
         }
     }

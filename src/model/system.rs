@@ -211,6 +211,12 @@ pub trait LoadedSystem: System {
         let _ = x;
         None
     }
+
+    /// How much of what its material may bear is used at `x [n]`, where most is; none where no limit is set.
+    fn utilization(&self, x: &[f64]) -> Option<Utilization> {
+        let _ = x;
+        None
+    }
 }
 
 /// What a system remembers of an accepted equilibrium beside its unknowns, as where its friction holds on: numbers of each of its
@@ -231,6 +237,15 @@ impl Memory {
     pub fn of_term(&self, place: usize) -> &[f64] {
         self.0.get(place).map_or(&[], Vec::as_slice)
     }
+}
+
+/// How much of a limit of the material is used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Utilization {
+    /// 0 at rest, 1 at the limit, more past it.
+    pub share: f64,
+    /// An unknown where it is so.
+    pub unknown: usize,
 }
 
 /// A bound of a model's validity.

@@ -28,6 +28,8 @@ pub struct FrontPoint {
     pub flags: String,
     /// What it reached, where that is known.
     pub reached: Option<Reached>,
+    /// Where it is judged at a pressure of its own: that, and what it is at a pressure that all are told at.
+    pub rated: Option<RatedColumns>,
     /// Of each objective by how much it is off for the mesh, as a second mesh estimates, %, or `None` if that gives nothing to compare;
     /// empty where nothing was estimated. Of tables for people alone.
     pub mesh_errors: Vec<Option<f64>>,
@@ -64,6 +66,24 @@ pub struct Reached {
     /// Of each scenario the name of its column and the pressure at the end of its path, MPa: below the run's where the part itself ended
     /// the path.
     pub pressures: Vec<(String, f64)>,
+}
+
+/// The pressure of its own at which a design is judged, and its numbers at another one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RatedColumns {
+    /// MPa.
+    pub pressure: f64,
+    /// Names of columns with the numbers at the reference pressure; `None` where the design does not come to that.
+    pub at_reference: Vec<(String, Option<f64>)>,
+}
+
+impl RatedColumns {
+    /// The number of the column `reference_` and `name`.
+    #[must_use]
+    pub fn reading(&self, name: &str) -> Option<f64> {
+        let is_it = |(column, _): &&(String, _)| column.strip_prefix("reference_") == Some(name);
+        self.at_reference.iter().find(is_it)?.1
+    }
 }
 
 /// A design's value of an objective.
@@ -108,6 +128,13 @@ impl Cells for FrontPoint {
         if let Some(Reached { angle_deg, pressures }) = &self.reached {
             cells.push(number("angle_deg", *angle_deg));
             cells.extend(pressures.iter().map(|(name, pressure)| number(name, *pressure)));
+        }
+        if let Some(RatedColumns { pressure, at_reference }) = &self.rated {
+            cells.push(number("rated_pressure", *pressure));
+            let told = |(name, value): &(String, Option<f64>)| {
+                (name.clone(), value.map_or(Cell::Nothing, Cell::Number))
+            };
+            cells.extend(at_reference.iter().map(told));
         }
         cells
     }
@@ -356,6 +383,7 @@ impl FrontPoint {
             max_force: 0.0,
             flags: String::new(),
             reached: None,
+            rated: None,
             mesh_errors: Vec::new(),
         }
     }

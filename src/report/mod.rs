@@ -24,7 +24,7 @@ pub use error_figure::{ErrorCurve, ErrorPoint, error_svg};
 pub use error_overview::{JudgedError, OverviewRow, overview_svg};
 pub use film::gif_film;
 pub use fitted::{FittedCurve, FittedTest, fitted_svg};
-pub use front::{Column, FrontPoint, Reached, axis_label, front_svg, two_fronts_svg};
+pub use front::{Column, FrontPoint, RatedColumns, Reached, axis_label, front_svg, two_fronts_svg};
 pub use history::{HistoryPoint, history_svg};
 pub use literature::{Published, Set, Technique, best_stiffness, dominated, published};
 pub use merit::{merit_svg, standing};

@@ -6,6 +6,9 @@ use super::{Column, FrontPoint};
 #[must_use]
 pub fn front_table(front: &[FrontPoint]) -> String {
     let has_reached = front.iter().any(|point| point.reached.is_some());
+    let has_rated = front.iter().any(|point| point.rated.is_some());
+    let at = front.iter().find_map(|point| point.rated.as_ref()?.reading("pressure"));
+    let at = at.map_or_else(|| "reference".to_owned(), |pressure| format!("{pressure} MPa"));
     let has_errors = front.iter().any(|point| !point.mesh_errors.is_empty());
     let objectives = front.first().map_or(&[][..], |point| &point.objectives);
     let (leading, further) =
@@ -14,11 +17,12 @@ pub fn front_table(front: &[FrontPoint]) -> String {
     let units =
         |columns: &[Column]| columns.iter().map(|column| plain(column.unit)).collect::<Vec<_>>();
     let cells = |cells: &[&str]| cells.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
-    let row = |parts: [Vec<String>; 7]| {
-        let [id, leading, figures, reached, errors, further, flags] = parts;
+    let row = |parts: [Vec<String>; 8]| {
+        let [id, leading, figures, reached, rated, errors, further, flags] = parts;
         let reached = if has_reached { reached } else { Vec::new() };
+        let rated = if has_rated { rated } else { Vec::new() };
         let errors = if has_errors { errors } else { Vec::new() };
-        [id, leading, figures, reached, errors, further, flags].concat()
+        [id, leading, figures, reached, rated, errors, further, flags].concat()
     };
     let mut by_mesh = titles(objectives);
     by_mesh.iter_mut().take(1).for_each(|title| title.push_str(" by mesh"));
@@ -27,7 +31,8 @@ pub fn front_table(front: &[FrontPoint]) -> String {
             cells(&["design"]),
             titles(leading),
             cells(&["figure of merit", "largest force"]),
-            cells(&["angle", "at pressure"]),
+            cells(&["angle", if has_rated { "rated pressure" } else { "at pressure" }]),
+            ["merit at ", "force at ", "angle at "].map(|what| format!("{what}{at}")).to_vec(),
             by_mesh,
             titles(further),
             cells(&["flags"]),
@@ -37,6 +42,7 @@ pub fn front_table(front: &[FrontPoint]) -> String {
             units(leading),
             cells(&["deg/(kPa m)", "N"]),
             cells(&["deg", "MPa"]),
+            cells(&["deg/(kPa m)", "N", "deg"]),
             vec!["+- %".to_owned(); objectives.len()],
             units(further),
             cells(&[""]),
@@ -45,7 +51,9 @@ pub fn front_table(front: &[FrontPoint]) -> String {
     let rows = front.iter().map(|point| {
         let values = |columns: &[Column]| columns.iter().map(|c| significant(c.value)).collect();
         let reached = point.reached.as_ref().map_or([f64::NAN; 2], |reached| {
-            [reached.angle_deg, reached.pressures.first().map_or(f64::NAN, |(_, last)| *last)]
+            let pressure = reached.pressures.first().map_or(f64::NAN, |(_, last)| *last);
+            // A design with a rated pressure is read there.
+            [reached.angle_deg, point.rated.as_ref().map_or(pressure, |own| own.pressure)]
         });
         let reached = reached.map(|x| if x.is_nan() { String::new() } else { significant(x) });
         let told = |k: usize| {
@@ -57,6 +65,9 @@ pub fn front_table(front: &[FrontPoint]) -> String {
             values(point.leading()),
             [point.figure_of_merit, point.max_force].map(significant).to_vec(),
             reached.to_vec(),
+            ["figure_of_merit", "max_force", "angle_deg"]
+                .map(|name| at_reference(point, name))
+                .to_vec(),
             (0..objectives.len()).map(|k| told(k).unwrap_or_default()).collect(),
             values(point.further()),
             cells(&[&point.flags]),
@@ -75,6 +86,12 @@ pub fn front_table(front: &[FrontPoint]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// A number of a design at the reference pressure; nothing where it does not come to that.
+fn at_reference(point: &FrontPoint, name: &str) -> String {
+    let value = point.rated.as_ref().and_then(|rated| rated.reading(name));
+    value.map_or_else(String::new, significant)
 }
 
 /// A `unit` in few letters: an exponent stands without its parentheses.
@@ -99,7 +116,7 @@ fn significant(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::Reached;
+    use crate::report::{RatedColumns, Reached};
 
     #[test]
     fn columns_are_aligned_and_digits_significant() {
@@ -141,6 +158,33 @@ g12-03          54.20  12.00          1.235e6       2.000e-4
         };
         let table = front_table(&[point]);
         let ends = ["angle  at pressure  flags", "deg          MPa", "43.21       0.1500"];
+        for (line, end) in table.lines().zip(ends) {
+            assert!(line.ends_with(end), "{table}");
+        }
+    }
+
+    /// A design that is judged at a pressure of its own is told at that of all too, where it comes to it.
+    #[test]
+    fn rated_designs_are_told_at_the_reference_too() {
+        let rated = |pressure, told: Option<f64>| RatedColumns {
+            pressure,
+            at_reference: ["pressure", "figure_of_merit", "max_force", "angle_deg"]
+                .map(|name| (format!("reference_{name}"), told))
+                .to_vec(),
+        };
+        let reached = Reached { angle_deg: 43.21, pressures: vec![("a".to_owned(), 0.4)] };
+        let point = |pressure, told| FrontPoint {
+            reached: Some(reached.clone()),
+            rated: Some(rated(pressure, told)),
+            ..design()
+        };
+        let table = front_table(&[point(0.15, None), point(0.31, Some(0.2))]);
+        let ends = [
+            "angle  rated pressure  merit at 0.2 MPa  force at 0.2 MPa  angle at 0.2 MPa  flags",
+            "deg             MPa       deg/(kPa m)                 N               deg",
+            "43.21          0.1500",
+            "43.21          0.3100            0.2000            0.2000            0.2000",
+        ];
         for (line, end) in table.lines().zip(ends) {
             assert!(line.ends_with(end), "{table}");
         }

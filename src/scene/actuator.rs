@@ -82,12 +82,12 @@ impl Actuator {
         let (solver_ref, settings) = (solver.as_mut(), &load.path);
         let note = &mut |point: &PathPoint| observer.state(point);
         let walked = follow_watched(model, solver_ref, programme, settings, stop, note)?;
+        walk_summary::check_left_rest(&walked)?;
         ensure!(
             !walked.points.is_empty() || walked.ending == Ending::Interrupted,
             "the part is not stable at rest ({}): look at its mesh and its material",
             walked.ending.name().replace('_', " ")
         );
-        walk_summary::check_left_rest(&walked)?;
         Ok((walked, solver.times()))
     }
 }

@@ -54,6 +54,11 @@ impl MaterialSection {
         presets::named(self.preset.as_deref()?)
     }
 
+    /// The principal stretch that it is taken to bear where nobody says another: that of its preset, if that has one.
+    pub(crate) fn assumed_stretch(&self) -> Option<f64> {
+        self.preset()?.borne_stretch
+    }
+
     fn of_preset(&self, preset: &str) -> anyhow::Result<Material> {
         if let Some((key, _)) = self.numbers.first() {
             bail!(

@@ -11,6 +11,7 @@ pub(crate) mod deck;
 pub(crate) mod error;
 pub(crate) mod gravity;
 pub(crate) mod keys;
+pub(crate) mod limits;
 pub(crate) mod material;
 pub(crate) mod mesh_section;
 mod observer;

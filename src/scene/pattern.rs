@@ -4,6 +4,7 @@ use anyhow::ensure;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::limits::{LimitsSection, OfMaterial};
 use super::material::{MaterialSection, positive};
 use crate::fitness::WallPattern;
 use crate::genome::{Network, WallGenes};
@@ -18,6 +19,9 @@ pub(crate) struct PatternSection {
     /// A second material: the wall is of it where the network's node for the material is positive.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialSection>,
+    /// What the second material may bear, as `[limits]` says of the first: `limits = { stretch = 1.2 }`; as `[limits]` where it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitsSection>,
 }
 
 impl PatternSection {
@@ -40,6 +44,12 @@ impl PatternSection {
         }
         let material = self.material.as_ref().map(MaterialSection::material).transpose()?;
         Ok(WallPattern { thickness: self.thickness, material })
+    }
+
+    /// What it says of its second material.
+    pub(crate) fn limited(&self) -> OfMaterial<'_> {
+        let (material, limits) = (self.material.as_ref(), self.limits.as_ref());
+        OfMaterial { section: "[pattern] limits", material, limits }
     }
 
     /// The genes that a search has for it.

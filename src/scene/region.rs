@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::limits::{LimitsSection, OfMaterial};
 use super::material::MaterialSection;
 use super::part::formula::Formula;
 use crate::math::Vec3;
@@ -26,6 +27,17 @@ pub(crate) struct RegionSection {
     /// What it is made of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialSection>,
+    /// What this material may bear, as `[limits]` says of the wall's: `limits = { stretch = 1.2 }`; as `[limits]` where it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitsSection>,
+}
+
+impl RegionSection {
+    /// What it says of its material.
+    pub(crate) fn limited(&self) -> OfMaterial<'_> {
+        let (material, limits) = (self.material.as_ref(), self.limits.as_ref());
+        OfMaterial { section: "[[region]] limits", material, limits }
+    }
 }
 
 /// A number or a formula, as it stands in a file.

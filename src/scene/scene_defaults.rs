@@ -26,11 +26,17 @@ const LIST_EXAMPLES: &str = "
 # layers = 1  # through the wall; as many as make tetrahedra as high as wide where it is left out
 # mesher = \"tetgen\"  # or gmsh; the one and then the other where it is left out
 
+# What the material may bear, at the faces of the wall; the path ends there.
+# [limits]
+# stretch = 1.5  # largest principal stretch; that of the preset where the section is empty
+# nominal_stress = 4.0  # with it or instead: largest principal nominal stress, MPa
+
 # A part of the wall that is thicker, thinner or of another material; as many as needed, of which the last counts where they overlap.
 # [[region]]
 # where = \"-8 - x\"  # a formula of x, y, z at rest (mm; of a patch of s, t), positive in the region
 # thickness = 2.4  # or a formula, as \"1.6 + 0.01*z\"; as [wall] says where it is left out
 # material = { law = \"neo-hookean\", mu = 5.0 }
+# limits = { stretch = 1.2 }  # of this material, where it may bear less or more than [limits] says
 
 # A rigid plane on the -x side; as many as needed.
 # [[plane]]
@@ -76,6 +82,7 @@ pub(crate) fn defaults() -> String {
         },
         solver: default_solver(),
         self_contact: None,
+        limits: None,
         pattern: None,
         regions: Vec::new(),
         gravity: None,

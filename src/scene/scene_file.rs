@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::checks::{check_distance, check_normal, check_shell, check_solver};
 use super::gravity::GravitySection;
+use super::limits::{LimitsSection, OfMaterial, material_limits};
 use super::material::{MaterialSection, positive, within};
 use super::mesh_section::{Edge, MeshSection};
 use super::part::Part;
@@ -23,7 +24,7 @@ use crate::math::Vec3;
 use crate::mesh::ShellSettings;
 use crate::model::contact::{PlaneSettings, SelfContactSettings};
 use crate::model::material::Material;
-use crate::model::{FoldContact, PartSetup};
+use crate::model::{FoldContact, MaterialLimits, PartSetup};
 use crate::scene::part::patch_part::{
     EdgeSection, ForceSection, MomentSection, PatchConditions, PinSection, check_patch_pressure,
 };
@@ -45,6 +46,9 @@ pub(crate) struct SceneFile {
     pub wall: ShellSettings,
     #[serde(default)]
     pub material: MaterialSection,
+    /// What the material may bear: a path that reaches it ends there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitsSection>,
     /// For a network that says what its wall is made of: what it may say.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pattern: Option<PatternSection>,
@@ -245,6 +249,11 @@ impl SceneFile {
         check_shell(&self.wall, &self.load_settings())?;
         self.mesh.check(&self.part, self.design_box)?;
         self.materials()?;
+        let has_limits = !self.limits()?.is_empty();
+        ensure!(
+            !has_limits || !self.load.linear,
+            "[load] linear knows no limit; take it away, or walk the path without [limits]"
+        );
         ensure!(
             self.pattern.is_none() || self.part.network.is_some(),
             "[pattern] wants a [part] with a `network`, which says where the wall is another one; see [[region]]"
@@ -300,6 +309,14 @@ impl SceneFile {
         Ok(materials)
     }
 
+    /// What each of its [`Self::materials`] may bear; none where nothing is said of any.
+    fn limits(&self) -> anyhow::Result<Vec<MaterialLimits>> {
+        let others = self.pattern.iter().map(PatternSection::limited);
+        let others = others.chain(self.regions.iter().map(RegionSection::limited));
+        let first = OfMaterial::first(&self.material, self.limits.as_ref());
+        material_limits(first, others, self.load.stretch_bound)
+    }
+
     /// What its network may say of the wall.
     pub(crate) fn pattern(&self) -> anyhow::Result<WallPattern> {
         self.pattern.as_ref().map_or_else(|| Ok(WallPattern::default()), PatternSection::pattern)
@@ -335,6 +352,7 @@ impl SceneFile {
             planes: self.plane_settings(pressure)?,
             folds: Some(folds),
             stretch_bound: self.load_settings().stretch_bound,
+            limits: self.limits()?,
             body_force: self.gravity.map_or(Vec3::zeros(), GravitySection::body_force),
         })
     }
@@ -483,6 +501,7 @@ impl SceneFile {
         let largest = if self.part.patch.is_some() { 1.0 } else { pressure };
         LoadSettings {
             pressure: largest,
+            rated: None,
             stretch_bound: self.load.stretch_bound,
             path: self.load.path,
         }

@@ -12,11 +12,12 @@
 use super::bordered::{self, Constraint, Metric};
 use super::ending::Ending;
 use super::hermite::{cubic_step, tangent_step};
+use super::limit_search::{LimitSearch, is_at_limit, is_past_limit};
 use super::path::PathPoint;
 use super::prediction::best_prediction;
 use super::supply::Supply;
 use super::vectors::norm;
-use super::walk::{State, Walk};
+use super::walk::{Missed, State, Walk};
 use super::{NewtonEnding, SolverFailure};
 
 /// Traces the curve to where it first reaches the load `end`.
@@ -52,11 +53,13 @@ pub(super) fn trace(walk: &mut Walk<'_>, end: f64) -> Result<Ending, SolverFailu
                     step = part.abs().min(2.0 * step.abs()).copysign(part);
                 }
             }
-            Err(missed)
-                if missed.ending.is_given_up()
-                    || matches!(missed.ending, Ending::Ballooning | Ending::SelfTouch) =>
+            Err(Missed { past_limit: Some(past), .. }) if walk.resolves(&past) => {
+                return walk.reach_limit(*past);
+            }
+            Err(Missed { ending, past_limit: None, .. })
+                if ending.is_given_up() || ending.is_of_part() =>
             {
-                return Ok(missed.ending);
+                return Ok(ending);
             }
             Ok(_) | Err(_) => {
                 walk.system.rewind();
@@ -117,6 +120,9 @@ impl Arc {
                 walk.place = Some(limit.unknown);
                 return Ok(limit.kind.into());
             }
+            if is_past_limit(walk.share_used(&point.x)) {
+                return self.reach_limit(walk, &point);
+            }
             if (point.load - self.end) / self.end >= 0.0 {
                 return self.finish(walk);
             }
@@ -164,6 +170,37 @@ impl Arc {
         point.on_arc = true;
         walk.account(&mut point);
         Ok((cosine > SHARPEST).then_some(point))
+    }
+
+    /// The point on the way to `past` at which the material is at its limit.
+    fn reach_limit(
+        mut self,
+        walk: &mut Walk<'_>,
+        past: &PathPoint,
+    ) -> Result<Ending, SolverFailure> {
+        let share = walk.share_used(&self.last.x);
+        if is_at_limit(share) {
+            return Ok(walk.end_at_limit());
+        }
+        let mut search = LimitSearch::new([0.0, share], [self.step, walk.share_used(&past.x)]);
+        while let Some(step) = search.next() {
+            self.step = step;
+            let Some(mut point) = self.step(walk)? else {
+                if walk.spent > walk.settings.iteration_budget {
+                    return Ok(Ending::BudgetSpent);
+                }
+                search.missed(step);
+                continue;
+            };
+            let share = walk.share_used(&point.x);
+            if is_at_limit(share) {
+                point.is_sample = true;
+                walk.accept(point);
+                return Ok(walk.end_at_limit());
+            }
+            search.found(step, share);
+        }
+        Ok(walk.end_at_limit())
     }
 
     /// The point at the load where the curve ends.

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use crate::model::system::{
-    Inadmissible, Layout, Limit, LoadedSystem, Memory, SparsityPattern, System,
+    Inadmissible, Layout, Limit, LoadedSystem, Memory, SparsityPattern, System, Utilization,
 };
 
 /// What a decorator is around, and the answers that it may change.
@@ -153,5 +153,9 @@ impl<D: Decorator<Inner: LoadedSystem>> LoadedSystem for D {
 
     fn passed_limit(&self, x: &[f64]) -> Option<Limit> {
         self.inner().passed_limit(x)
+    }
+
+    fn utilization(&self, x: &[f64]) -> Option<Utilization> {
+        self.inner().utilization(x)
     }
 }

@@ -14,6 +14,8 @@ pub enum Ending {
     Reached,
     /// The end of the programme was reached, over one snap or more.
     SnappedAndContinued,
+    /// The wall is at the limit that its material was given: the part has come as far as it is to go.
+    LimitReached,
     /// Beyond this load no stable equilibrium is near: the energy loses its minimum.
     LimitPoint,
     /// The equilibrium beyond this load exists but is not stable.
@@ -39,6 +41,7 @@ impl Ending {
         match self {
             Self::Reached => "reached",
             Self::SnappedAndContinued => "snapped_and_continued",
+            Self::LimitReached => "limit_reached",
             Self::LimitPoint => "limit_point",
             Self::Unstable => "unstable",
             Self::Ballooning => "ballooning",
@@ -56,6 +59,7 @@ impl Ending {
         match self {
             Self::Reached => Reason::Reached,
             Self::SnappedAndContinued => Reason::SnappedAndContinued,
+            Self::LimitReached => Reason::LimitReached,
             Self::LimitPoint => Reason::LimitPoint,
             Self::Unstable => Reason::Unstable,
             Self::Ballooning => Reason::Ballooning,
@@ -80,6 +84,7 @@ impl Ending {
         match self {
             Self::Reached
             | Self::SnappedAndContinued
+            | Self::LimitReached
             | Self::LimitPoint
             | Self::Ballooning
             | Self::SelfTouch
@@ -91,6 +96,11 @@ impl Ending {
     /// Whether it is not for the part that the walk ends: no smaller step helps.
     pub(super) fn is_given_up(self) -> bool {
         matches!(self, Self::BudgetSpent | Self::Interrupted)
+    }
+
+    /// Whether the part itself ended the path in a state that was found: what was tried beyond is no failure.
+    pub(super) fn is_of_part(self) -> bool {
+        matches!(self, Self::Ballooning | Self::SelfTouch | Self::LimitReached)
     }
 
     /// The ending that a failed solve would be, were no smaller step to be tried; `None` where it converged.

@@ -3,6 +3,7 @@
 //! Two solvers stand behind [`EquilibriumSolver`]: ours with `faer`, and PETSc's SNES with MUMPS.
 //! Both run the same line search on the energy, so that they walk through the same iterates.
 
+mod at_limit;
 mod backend;
 mod bordered;
 mod confined;
@@ -19,6 +20,9 @@ mod job;
 mod krylov;
 #[cfg(feature = "petsc")]
 mod lanczos;
+mod limit_search;
+#[cfg(test)]
+mod limit_tests;
 mod line_search;
 mod linear;
 mod linear_method;

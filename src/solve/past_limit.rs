@@ -12,6 +12,7 @@
 
 use super::ending::Ending;
 use super::hermite::Cubic;
+use super::limit_search::is_past_limit;
 use super::past::Past;
 use super::path::{PathPoint, PathSettings};
 use super::supply::Supply;
@@ -103,6 +104,20 @@ impl Walk<'_> {
                         }
                         look.walk.place = Some(limit.unknown);
                         break Past::ended(limit.kind.into(), look.peak.is_some());
+                    }
+                    // A limit behind the maximum of the load comes too late: the part has ballooned.
+                    if look.walk.last().negative_pivots == 0
+                        && is_past_limit(look.walk.share_used(&point.x))
+                    {
+                        let before = look.walk.points.len();
+                        let ending = look.walk.reach_limit(point.clone())?;
+                        let is_found = look.walk.points.len() > before;
+                        if is_found && look.walk.last().negative_pivots > 0 {
+                            look.walk.points.pop();
+                        } else {
+                            attempts.extend(is_found.then_some(begun..look.walk.spent));
+                            break Past::ended(ending, false);
+                        }
                     }
                     look.walk.points.push(point);
                     attempts.push(begun..look.walk.spent);

@@ -4,32 +4,36 @@ use super::{
     Backend, Ending, EquilibriumSolver, NewtonReport, NewtonSettings, Path, PathPoint,
     PathSettings, Programme, SolveTimes, SolverFailure, Supply, follow,
 };
-use crate::model::system::{Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPattern, System};
+use crate::model::system::{
+    Inadmissible, Limit, LimitKind, LoadedSystem, SparsityPattern, System, Utilization,
+};
 
 /// Energy, gradient and the lower triangle of the Hessian (xx, yx, yy) of two unknowns.
-struct Jet {
-    value: f64,
-    gradient: [f64; 2],
-    hessian: [f64; 3],
+pub(super) struct Jet {
+    pub value: f64,
+    pub gradient: [f64; 2],
+    pub hessian: [f64; 3],
 }
 
 /// `W(x, y) - load C(x, y)`.
-struct Plain {
+pub(super) struct Plain {
     stored: fn([f64; 2]) -> Jet,
     conjugate: fn([f64; 2]) -> Jet,
     load: f64,
-    limit: Option<(f64, LimitKind)>,
+    pub limit: Option<(f64, LimitKind)>,
+    /// What `x` may be.
+    pub allowed: Option<f64>,
     pattern: SparsityPattern,
 }
 
 impl Plain {
-    fn new(stored: fn([f64; 2]) -> Jet, conjugate: fn([f64; 2]) -> Jet) -> Self {
+    pub(super) fn new(stored: fn([f64; 2]) -> Jet, conjugate: fn([f64; 2]) -> Jet) -> Self {
         let pattern = SparsityPattern { column_starts: vec![0, 2, 3], row_indices: vec![0, 1, 1] };
-        Self { stored, conjugate, load: 0.0, limit: None, pattern }
+        Self { stored, conjugate, load: 0.0, limit: None, allowed: None, pattern }
     }
 
     /// The path on every solver there is.
-    fn paths(
+    pub(super) fn paths(
         mut self,
         programme: impl Into<Programme> + Copy,
         settings: &PathSettings,
@@ -105,16 +109,20 @@ impl LoadedSystem for Plain {
         let (bound, kind) = self.limit?;
         (x[0] > bound).then_some(Limit { kind, unknown: 0 })
     }
+
+    fn utilization(&self, x: &[f64]) -> Option<Utilization> {
+        Some(Utilization { share: x[0] / self.allowed?, unknown: 0 })
+    }
 }
 
 /// The unknown `x` itself is what the load works on.
-fn along_x([x, _]: [f64; 2]) -> Jet {
+pub(super) fn along_x([x, _]: [f64; 2]) -> Jet {
     Jet { value: x, gradient: [1.0, 0.0], hessian: [0.0; 3] }
 }
 
 /// `(s^2 - 1)^2 / 4`, `s = x - 1`: bistable, at rest in the left well at `x = 0`; the force `s^3 - s` has its maximum
 /// `2 / sqrt 27` at `s = -1 / sqrt 3`. `y` is a plain spring.
-fn bistable([x, y]: [f64; 2]) -> Jet {
+pub(super) fn bistable([x, y]: [f64; 2]) -> Jet {
     let s = x - 1.0;
     Jet {
         value: (s * s - 1.0).powi(2) / 4.0 + y * y / 2.0,
@@ -123,7 +131,7 @@ fn bistable([x, y]: [f64; 2]) -> Jet {
     }
 }
 
-const LIMIT: f64 = 0.384_900_179_459_750_5;
+pub(super) const LIMIT: f64 = 0.384_900_179_459_750_5;
 
 /// Energy and work of the closed form on both sides of the jump; every state after it is in the right well.
 #[test]
@@ -249,7 +257,7 @@ fn flight_without_an_equilibrium_balloons() {
 
 /// A thin neo-Hookean sphere of stretch `1 + x`: `W = 2 l^2 + l^-4 - 3`, `C = l^3 - 1` and `p = 4/3 (1/l - l^-7)`, which is never more
 /// than `8 7^(-7/6)` at `l = 7^(1/6)`.
-fn sphere([x, y]: [f64; 2]) -> Jet {
+pub(super) fn sphere([x, y]: [f64; 2]) -> Jet {
     let l = 1.0 + x;
     Jet {
         value: 2.0 * l * l + l.powi(-4) - 3.0 + y * y / 2.0,
@@ -258,7 +266,7 @@ fn sphere([x, y]: [f64; 2]) -> Jet {
     }
 }
 
-fn volume_of_sphere([x, _]: [f64; 2]) -> Jet {
+pub(super) fn volume_of_sphere([x, _]: [f64; 2]) -> Jet {
     let l = 1.0 + x;
     Jet { value: l.powi(3) - 1.0, gradient: [3.0 * l * l, 0.0], hessian: [6.0 * l, 0.0, 0.0] }
 }

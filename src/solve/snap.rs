@@ -104,10 +104,7 @@ impl Walk<'_> {
                     Err(missed) => missed,
                 };
                 match (missed.ending, missed.unstable) {
-                    (ending, _)
-                        if ending.is_given_up()
-                            || matches!(ending, Ending::Ballooning | Ending::SelfTouch) =>
-                    {
+                    (ending, _) if ending.is_given_up() || ending.is_of_part() => {
                         return Ok(Err(ending));
                     }
                     (_, Some(saddle)) => state = self.pushed_off(drive, saddle)?,

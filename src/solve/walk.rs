@@ -6,6 +6,7 @@ use super::bordered::{self, Constraint};
 use super::ending::Ending;
 use super::hermite::{work_between, work_by_conjugate};
 use super::krylov::solve_unsymmetric;
+use super::limit_search::is_past_limit;
 use super::past::Past;
 use super::path::{PathPoint, PathSettings};
 use super::stop::Stop;
@@ -57,16 +58,18 @@ pub(super) struct State {
     pub load: f64,
 }
 
-/// Why an equilibrium was not found, and the unstable one where there is one.
+/// Why no equilibrium was found that the path may go on from, and the one that was found instead.
 #[derive(Clone, Debug)]
 pub(super) struct Missed {
     pub ending: Ending,
     pub unstable: Option<State>,
+    /// The stable one at which the material is past its limit.
+    pub past_limit: Option<Box<PathPoint>>,
 }
 
 impl From<Ending> for Missed {
     fn from(ending: Ending) -> Self {
-        Self { ending, unstable: None }
+        Self { ending, unstable: None, past_limit: None }
     }
 }
 
@@ -195,7 +198,13 @@ impl Walk<'_> {
                     }
                 }
                 Err(Missed { ending, .. }) if ending.is_given_up() => return Ok(Some(ending)),
-                Err(Missed { ending: Ending::LimitPoint, unstable: None })
+                Err(Missed { past_limit: Some(past), .. })
+                    if self.resolves(&past)
+                        || (!may_halve && (self.shifted == 0 || self.stiffens(&past))) =>
+                {
+                    return self.reach_limit(*past).map(Some);
+                }
+                Err(Missed { ending: Ending::LimitPoint, unstable: None, .. })
                     if self.may_look_past(drive) =>
                 {
                     self.system.rewind();
@@ -224,9 +233,7 @@ impl Walk<'_> {
                     self.cuts += 1;
                     self.place = None;
                 }
-                Err(Missed { ending, .. })
-                    if matches!(ending, Ending::Ballooning | Ending::SelfTouch) =>
-                {
+                Err(Missed { ending, past_limit: None, .. }) if ending.is_of_part() => {
                     return Ok(Some(ending));
                 }
                 unresolved => {
@@ -449,12 +456,13 @@ impl Walk<'_> {
         state: State,
     ) -> Result<Result<PathPoint, Missed>, SolverFailure> {
         let Some(mut point) = self.any_point(&state)? else {
-            return Ok(Err(Missed { ending: Ending::LimitPoint, unstable: Some(state) }));
+            let unstable = Some(state);
+            return Ok(Err(Missed { unstable, ..Ending::LimitPoint.into() }));
         };
         let equation = self.supply.equation(point.load, point.conjugate, drive);
         let cured = equation.cures(point.conjugate_rate);
         if point.negative_pivots > cured {
-            return Ok(Err(Missed { ending: Ending::Unstable, unstable: Some(state) }));
+            return Ok(Err(Missed { unstable: Some(state), ..Ending::Unstable.into() }));
         }
         if let Some(limit) = self.system.passed_limit(&state.x) {
             self.place = Some(limit.unknown);
@@ -466,6 +474,13 @@ impl Walk<'_> {
             self.turn_to_supply(&mut point);
         }
         self.account(&mut point);
+        if let Some(used) = self.system.utilization(&point.x)
+            && is_past_limit(used.share)
+        {
+            self.place = Some(used.unknown);
+            let past_limit = Some(Box::new(point));
+            return Ok(Err(Missed { past_limit, ..Ending::LimitReached.into() }));
+        }
         Ok(Ok(point))
     }
 
@@ -520,7 +535,7 @@ impl Walk<'_> {
 
 /// Indefinite tangents on the way to an equilibrium after which a smaller step is tried: barriers that fold about each other
 /// have some, though nothing is lost where the step ends.
-const PATIENCE: usize = 6;
+pub(super) const PATIENCE: usize = 6;
 /// Newton iterations at which a step is as long as it should be.
 const EASY_ITERATIONS: f64 = 6.0;
 /// How much longer than it should be a step may be that ends at a sample: half of the way there, found easy, grows by less than 2.

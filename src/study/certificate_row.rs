@@ -186,6 +186,7 @@ impl Row {
             max_force: self.max_force_solid?,
             flags: self.flags.clone(),
             reached: None,
+            rated: None,
             mesh_errors: Vec::new(),
         })
     }

@@ -28,7 +28,7 @@ use crate::io::{FolderLock, OutputFolder, atomic, csv, input, msh};
 use crate::math::{Rejected, cpu_seconds};
 use crate::mesh::ShellMesh;
 use crate::model::material::Material;
-use crate::model::{PartModel, PartSetup};
+use crate::model::{MaterialLimits, PartModel, PartSetup};
 use crate::scene::End;
 use crate::scene::part::on_disk::read_network;
 use crate::scene::part::solid_part::{SolidPart, SolidReport, SolidSection};
@@ -395,7 +395,8 @@ pub(crate) fn certify(
             Err(rejected) => return Ok(Err(rejected)),
         };
         let CandidateSettings { load, fitness, backend, .. } = settings;
-        let part = SolidOfShell { solid: &solid, shell, materials: &settings.materials() };
+        let (materials, limits) = (&settings.materials(), &settings.limits);
+        let part = SolidOfShell { solid: &solid, shell, materials, limits };
         let mut counts = SolveCounts::default();
         match evaluate(&part, load, fitness, *backend, stop, &mut counts) {
             Ok((evaluation, scenarios)) => Ok(Ok((solid, evaluation, scenarios))),
@@ -424,6 +425,7 @@ struct SolidOfShell<'a> {
     solid: &'a SolidPart,
     shell: &'a ShellMesh,
     materials: &'a [Material],
+    limits: &'a [MaterialLimits],
 }
 
 impl Part for SolidOfShell<'_> {
@@ -433,6 +435,10 @@ impl Part for SolidOfShell<'_> {
 
     fn model(&self, setup: &PartSetup) -> Result<PartModel, Rejected> {
         self.solid.model(self.shell, self.materials, setup)
+    }
+
+    fn limits(&self) -> &[MaterialLimits] {
+        self.limits
     }
 
     fn wall_volume_cm3(&self) -> f64 {

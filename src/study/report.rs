@@ -224,14 +224,14 @@ fn methods(run: &RunFile, provenance: &str) -> String {
     format!(
         "Chambers are zero levels of a network of 22 genes in a box of {x} x {y} x {z} mm, meshed with edges of {} mm. \
          Walls of {} mm are Kirchhoff-Love shells on {element}, clamped below {} thicknesses, of {material}. \
-         The chamber's pressure follows the wall and rises to {} MPa in {} samples; Newton's method stops at {:e} of the scale of \
+         The chamber's pressure follows the wall and rises to {} in {} samples; Newton's method stops at {:e} of the scale of \
          forces{chords}, steps are halved while work and stored energy differ by more than {:e}, and loss of stability is followed to the \
          next stable state. {}{} \
          Computed by {} {} (commit {}, {}, PETSc {}, solver {}).",
         run.mesh.edge,
         run.wall.thickness,
         run.wall.clamp_height,
-        run.load.pressure,
+        pressure_in_words(run),
         path.steps,
         path.newton.tolerance,
         path.work_tolerance,
@@ -244,6 +244,26 @@ fn methods(run: &RunFile, provenance: &str) -> String {
         known("petsc"),
         backend,
     )
+}
+
+/// To what the pressure rises.
+fn pressure_in_words(run: &RunFile) -> String {
+    let largest = run.load.pressure;
+    let limits = run.limits.as_ref().map(|limits| toml::to_string(limits).unwrap_or_default());
+    let limits = limits.map(|text| match text.trim().replace('\n', ", ") {
+        text if text.is_empty() => "that of the preset".to_owned(),
+        text => text,
+    });
+    match (run.load.rated, limits) {
+        (Some(rated), Some(limits)) => format!(
+            "that at which the material is at its limit ({limits}), the rated pressure, at which each design is judged (at most {largest} MPa; besides, each is told at {} MPa if it comes to that),",
+            rated.reference
+        ),
+        (None, Some(limits)) => {
+            format!("{largest} MPa, or to where the material is at its limit ({limits}),")
+        }
+        (_, None) => format!("{largest} MPa"),
+    }
 }
 
 /// The objectives of a design with their values.

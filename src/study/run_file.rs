@@ -13,8 +13,10 @@ use crate::field::DesignBox;
 use crate::fitness::{CandidateSettings, FitnessSettings, LoadSettings, WallPattern};
 use crate::io::toml_file;
 use crate::mesh::{MeshSettings, ShellSettings};
+use crate::model::MaterialLimits;
 use crate::scene::checks::{check_distance, check_mesh, check_normal, check_shell, check_solver};
 use crate::scene::keys::{annotated, sections};
+use crate::scene::limits::{LimitsSection, OfMaterial, material_limits};
 use crate::scene::material::{MaterialSection, positive, within};
 use crate::scene::part::solid_part::SolidSection;
 use crate::scene::pattern::PatternSection;
@@ -31,6 +33,9 @@ pub struct RunFile {
     pub(crate) mesh: MeshSettings,
     pub(crate) wall: ShellSettings,
     pub(crate) material: MaterialSection,
+    /// What the material may bear: the path of a design that reaches it ends there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) limits: Option<LimitsSection>,
     /// A wall that is not the same everywhere, by further genes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) pattern: Option<PatternSection>,
@@ -60,6 +65,7 @@ impl Default for RunFile {
             mesh: MeshSettings::default(),
             wall: ShellSettings::default(),
             material: MaterialSection::default(),
+            limits: None,
             pattern: None,
             load: LoadSettings::default(),
             // A search runs on threads, and PETSc would make them take turns.
@@ -96,7 +102,7 @@ impl RunFile {
     /// Itself, when every value is one that the program can work with.
     pub(crate) fn checked(&self) -> anyhow::Result<&Self> {
         check_solver(self.solver.backend)?;
-        positive("[load] pressure", self.load.pressure)?;
+        self.check_pressure()?;
         check_shell(&self.wall, &self.load)?;
         check_mesh(self.design_box, &self.mesh)?;
         ensure!(
@@ -112,6 +118,7 @@ impl RunFile {
         self.evolution.validate().context("[evolution]")?;
         self.representation()?;
         self.material.material()?;
+        self.limits()?;
         within("[fitness] exponent", self.fitness.exponent, 0.1, 100.0)?;
         check_distance("[fitness] plane_distance", self.fitness.plane_distance)?;
         check_normal("[fitness] plane_normal", self.fitness.plane_normal)?;
@@ -125,6 +132,20 @@ impl RunFile {
         Ok(self)
     }
 
+    fn check_pressure(&self) -> anyhow::Result<()> {
+        let Some(rated) = self.load.rated else {
+            positive("[load] pressure", self.load.pressure)?;
+            return Ok(());
+        };
+        positive("[load] largest_pressure", self.load.pressure)?;
+        positive("[load] reference_pressure", rated.reference)?;
+        ensure!(
+            self.limits.is_some(),
+            "[load] pressure = \"rated\" is the pressure at which the material is at its limit; say what that is in [limits], as stretch = 1.5"
+        );
+        Ok(())
+    }
+
     fn check_further_objectives(&self) -> anyhow::Result<()> {
         let further = &self.fitness.further_objectives;
         let repeated = (1..further.len()).find(|&k| further[..k].contains(&further[k]));
@@ -134,6 +155,13 @@ impl RunFile {
             further.iter().map(|objective| objective.name).collect::<Vec<_>>()
         );
         Ok(())
+    }
+
+    /// What each material of its designs may bear; none where nothing is said of any.
+    fn limits(&self) -> anyhow::Result<Vec<MaterialLimits>> {
+        let first = OfMaterial::first(&self.material, self.limits.as_ref());
+        let second = self.pattern.iter().map(PatternSection::limited);
+        material_limits(first, second, self.load.stretch_bound)
     }
 
     /// What the networks of its designs may say of their walls.
@@ -164,6 +192,7 @@ impl RunFile {
             mesh: self.mesh,
             wall: self.wall,
             material: self.material.material()?,
+            limits: self.limits()?,
             pattern: self.pattern()?,
             load: self.load,
             fitness: self.fitness.clone(),

@@ -392,7 +392,9 @@ impl RunFolder {
         let front = self.front(search, records)?;
         csv::write_cells(&self.file("history.csv"), history)?;
         if front.is_empty() {
-            atomic::write(&self.file("front.csv"), header(&self.run_file()?.fitness).as_bytes())?;
+            let run = self.run_file()?;
+            let header = header(&run.fitness, run.load.rated.is_some());
+            atomic::write(&self.file("front.csv"), header.as_bytes())?;
         } else {
             csv::write_cells(&self.file("front.csv"), &front)?;
         }

@@ -9,6 +9,7 @@ mod inflated_sphere;
 mod inflated_tube;
 mod lids;
 mod locking;
+mod material_limits;
 mod parts;
 mod rubber;
 mod sections;

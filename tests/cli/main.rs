@@ -8,6 +8,7 @@ mod extremes;
 mod hostile_files;
 mod interrupted;
 mod keys;
+mod limits;
 mod loads;
 mod material;
 mod mesh_and_report;

@@ -61,7 +61,7 @@ mod tests {
         let both = |side: f64| {
             let settings = ShellSettings { thickness: 1.0, ..ShellSettings::default() };
             let shell = ShellMesh::new(balloon(side), &settings).unwrap();
-            let part = ShellPart { shell: &shell, materials: material.as_ref() };
+            let part = ShellPart { shell: &shell, materials: material.as_ref(), limits: &[] };
             let mut counts = SolveCounts::default();
             let evaluated =
                 evaluate(&part, &load, &asked, Backend::Native, Stop::NEVER, &mut counts);

@@ -32,14 +32,19 @@ pub struct Reading<'a> {
     pub settings: &'a FitnessSettings,
     /// The scenarios that were walked.
     pub walked: &'a [Walked],
+    /// The one pressure at which it is read, MPa; none where it is read over all of the paths.
+    pub at: Option<f64>,
 }
 
 impl<'a> Reading<'a> {
-    /// The rows of the path of `scenario`; none where it was not walked.
+    /// The rows of the path of `scenario`, the one at a given pressure alone; none where it was not walked.
     #[must_use]
     pub fn rows(&self, scenario: &Scenario) -> &'a [Observation] {
         let walked = self.walked.iter().find(|walked| walked.scenario == *scenario);
-        walked.map_or(&[], |walked| &walked.rows)
+        let rows = walked.map_or(&[][..], |walked| &walked.rows);
+        let Some(pressure) = self.at else { return rows };
+        let place = rows.iter().rposition(|row| row.is_sample && row.pressure == pressure);
+        place.map_or(&[], |place| &rows[place..=place])
     }
 }
 

@@ -43,9 +43,9 @@ mod tests {
         let settings = ShellSettings { thickness: 2.0, ..ShellSettings::default() };
         let shell = ShellMesh::new(TriangleMesh::sphere(10.0, 4), &settings).unwrap();
         let material = Material::Ogden(Ogden::ninjaflex_c2s());
-        let part = ShellPart { shell: &shell, materials: material.as_ref() };
+        let part = ShellPart { shell: &shell, materials: material.as_ref(), limits: &[] };
         let settings = FitnessSettings::default();
-        let reading = Reading { part: &part, settings: &settings, walked: &[] };
+        let reading = Reading { part: &part, settings: &settings, walked: &[], at: None };
         let volume = OBJECTIVE.value(&reading);
         // 5,120 facets lie inside the sphere: their area is some 0.2 % less.
         assert_relative_eq!(volume, 0.8 * PI, max_relative = 4e-3);

@@ -14,11 +14,11 @@ use std::rc::Rc;
 
 use pulp::{Simd, WithSimd};
 
-use super::kinematics::{Derivatives, Row};
+use super::kinematics::{Derivatives, Form, Row};
 use super::loop_patch::{LoopBasis, LoopPoint};
 use super::points::ascending;
 use super::wall_point::{Creases, WallPoint, bending_depth};
-use super::wall_state::{ShellState, states_of_triangles};
+use super::wall_state::{PeakState, ShellState, states_of_triangles};
 use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{Section, SectionPoint, Stencil};
 use crate::model::block::vectorize;
@@ -104,15 +104,33 @@ impl LoopShell {
     /// # Errors
     /// [`Inadmissible`] where an element has collapsed.
     pub fn states(&self, reference: &[Vec3], x: &[Vec3]) -> Result<Vec<ShellState>, Inadmissible> {
-        let forms = |s: usize, x: &[Vec3]| {
-            let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
-            Derivatives::new(&self.basis[s], &nodes).forms()
-        };
         let state = |s| {
-            let [rest, now] = [forms(s, reference)?, forms(s, x)?];
+            let [rest, now] = [self.forms(s, reference)?, self.forms(s, x)?];
             Ok(ShellState::new(rest, now, self.sections[s].thickness, self.material(s)))
         };
         states_of_triangles(&self.counts, state)
+    }
+
+    /// The largest stretch and stress at the faces of each point, with its control points at `reference` at rest and `x` now.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where an element has collapsed.
+    pub fn peaks(&self, reference: &[Vec3], x: &[Vec3]) -> Result<Vec<PeakState>, Inadmissible> {
+        let of_triangle = |(t, &count): (usize, &u8)| std::iter::repeat_n(t, usize::from(count));
+        let triangles = self.counts.iter().enumerate().flat_map(of_triangle);
+        let mut peaks = Vec::with_capacity(2 * self.points.len());
+        for (s, triangle) in triangles.enumerate() {
+            let forms = [self.forms(s, reference)?, self.forms(s, x)?];
+            let material = self.material(s);
+            peaks.extend(PeakState::of_faces(triangle, self.sections[s], forms, material));
+        }
+        Ok(peaks)
+    }
+
+    /// The fundamental forms at a point, with all control points at `x`.
+    fn forms(&self, s: usize, x: &[Vec3]) -> Result<[Form; 2], Inadmissible> {
+        let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
+        Derivatives::new(&self.basis[s], &nodes).forms()
     }
 
     fn material(&self, s: usize) -> &Material {

@@ -12,9 +12,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Matrix3;
 
+use super::kinematics::Form;
 use super::mid_edge::{HalfTurn, MidEdge};
 use super::wall_point::{Creases, WallPoint, bending_depth};
-use super::wall_state::ShellState;
+use super::wall_state::{PeakState, ShellState};
 use crate::math::{Reason, Rejected, Room, Vec3};
 use crate::mesh::{Section, SectionPoint};
 use crate::model::local::{LocalDerivatives, Term};
@@ -109,15 +110,30 @@ impl MidEdgeShell {
     /// # Errors
     /// [`Inadmissible`] where an element has collapsed.
     pub fn states(&self, reference: &[Vec3], x: &[Vec3]) -> Result<Vec<ShellState>, Inadmissible> {
-        let forms = |s: usize, x: &[Vec3]| {
-            let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
-            Ok(self.geometry(s, &nodes)?.forms())
-        };
         let state = |s| {
-            let [rest, now] = [forms(s, reference)?, forms(s, x)?];
+            let [rest, now] = [self.forms(s, reference)?, self.forms(s, x)?];
             Ok(ShellState::new(rest, now, self.sections[s].thickness, self.material(s)))
         };
         (0..self.points.len()).map(state).collect()
+    }
+
+    /// The largest stretch and stress at the faces of each triangle, with its nodes at `reference` at rest and `x` now.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where an element has collapsed.
+    pub fn peaks(&self, reference: &[Vec3], x: &[Vec3]) -> Result<Vec<PeakState>, Inadmissible> {
+        let mut peaks = Vec::with_capacity(2 * self.points.len());
+        for s in 0..self.points.len() {
+            let forms = [self.forms(s, reference)?, self.forms(s, x)?];
+            peaks.extend(PeakState::of_faces(s, self.sections[s], forms, self.material(s)));
+        }
+        Ok(peaks)
+    }
+
+    /// The fundamental forms of a triangle, with all nodes at `x`.
+    fn forms(&self, s: usize, x: &[Vec3]) -> Result<[Form; 2], Inadmissible> {
+        let nodes: Vec<Vec3> = self.stencils[s].iter().map(|&v| x[v as usize]).collect();
+        Ok(self.geometry(s, &nodes)?.forms())
     }
 
     fn material(&self, s: usize) -> &Material {

@@ -24,4 +24,4 @@ pub(in crate::model) use points::ascending;
 pub use points::{ElementPoints, Sample, SampledSurface};
 pub use solid_state::SolidState;
 pub use taylor_hood::TaylorHood;
-pub use wall_state::ShellState;
+pub use wall_state::{Face, PeakState, ShellState};

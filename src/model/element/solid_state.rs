@@ -9,6 +9,7 @@
 use nalgebra::Matrix3;
 
 use super::taylor_hood::TaylorHood;
+use super::wall_state::PeakState;
 use crate::math::Vec3;
 use crate::mesh::TET_EDGES;
 use crate::model::local::Term;
@@ -54,6 +55,37 @@ impl TaylorHood {
             }
         };
         self.stencils().iter().enumerate().map(of_cell).collect()
+    }
+
+    /// The largest stretch and stress at each point of quadrature, where all nodes are at `x`, the pressures' unknowns after the places.
+    ///
+    /// Principal directions of stretch are those of stress: `P_i = J n_i . sigma n_i / l_i` with `F F^T n_i = l_i^2 n_i`.
+    #[must_use]
+    pub fn peaks(&self, x: &[Vec3]) -> Vec<PeakState> {
+        let of_cell = |(s, stencil): (usize, &Vec<u32>)| {
+            let nodes: Vec<Vec3> = stencil.iter().map(|&v| x[v as usize]).collect();
+            let (places, q) = nodes.split_at(10);
+            let peak = |(_, f, stress): (f64, Matrix3<f64>, Matrix3<f64>)| {
+                let j = f.determinant();
+                let stretched = (f * f.transpose()).symmetric_eigen();
+                let mut state = PeakState {
+                    place: s,
+                    material: self.material(s),
+                    face: None,
+                    stretch: 0.0,
+                    nominal_stress: 0.0,
+                };
+                for k in 0..3 {
+                    let n = stretched.eigenvectors.column(k);
+                    let l = stretched.eigenvalues[k].max(0.0).sqrt();
+                    state.stretch = state.stretch.max(l);
+                    state.nominal_stress = state.nominal_stress.max(j * n.dot(&(stress * n)) / l);
+                }
+                state
+            };
+            self.states_at_points(s, places, q).map(peak).collect::<Vec<_>>()
+        };
+        self.stencils().iter().enumerate().flat_map(of_cell).collect()
     }
 
     /// The ten nodes of each cell, in the order of [`crate::mesh::SolidMesh`].

@@ -175,8 +175,13 @@ impl TaylorHood {
         self.pressure_unit * sum
     }
 
+    /// The place of the law of cell `s`.
+    pub(super) fn material(&self, s: usize) -> u16 {
+        self.materials.get(s).copied().unwrap_or(0)
+    }
+
     fn law(&self, s: usize) -> &SolidLaw {
-        &self.laws[self.materials.get(s).map_or(0, |&material| usize::from(material))]
+        &self.laws[usize::from(self.material(s))]
     }
 
     /// `1 / kappa` of cell `s`, 1/MPa.
@@ -537,6 +542,32 @@ mod tests {
             .sum();
         let density = 0.65 * (1.25 * 1.25 + 0.64 + 1.0 - 3.0);
         assert_relative_eq!(energy, density * body.volume(), max_relative = 1e-12);
+    }
+
+    /// Stretched along axes and then turned, incompressible: `sigma_i = mu (l_i^2 - (l_1^2 + l_2^2 + l_3^2) / 3) + p`, `P_i = sigma_i / l_i`.
+    /// The last of each case shows that the largest stress need not be along the largest stretch: where `p` is large, it is along the least.
+    #[test]
+    fn peaks_are_those_along_principal_axes() {
+        let mut chance = ChaCha8Rng::seed_from_u64(5);
+        let mesh = irregular(&mut chance);
+        let law = Material::NeoHookean(NeoHookean { mu: 1.3 }).solid().unwrap();
+        let body = TaylorHood::new(&mesh, &[law], 2.0).unwrap();
+        let stretches = [1.25, 0.8, 1.0_f64];
+        let turn = Rotation3::new(Vec3::new(0.4, -1.1, 0.7)).into_inner();
+        let f = turn * Matrix3::from_diagonal(&Vec3::from(stretches));
+        for (q, along) in [(0.1, 0), (3.0, 1)] {
+            let mut x: Vec<Vec3> = mesh.positions.iter().map(|x| f * x).collect();
+            x.extend(vec![q * Vec3::x(); mesh.corners]);
+            let mean = stretches.map(|l| l * l).iter().sum::<f64>() / 3.0;
+            let l = stretches[along];
+            let stress = (1.3 * (l * l - mean) + q * body.pressure_unit) / l;
+            let peaks = body.peaks(&x);
+            assert_eq!(peaks.len(), 5 * 14);
+            for peak in peaks {
+                assert_relative_eq!(peak.stretch, 1.25, max_relative = 1e-12);
+                assert_relative_eq!(peak.nominal_stress, stress, max_relative = 1e-11);
+            }
+        }
     }
 
     #[test]

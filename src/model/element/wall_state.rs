@@ -10,6 +10,7 @@
 
 use super::kinematics::{Form, det, third_form};
 use super::wall_point::{bending_depth, least_shifter};
+use crate::mesh::SectionPoint;
 use crate::model::material::Material;
 use crate::model::membrane::PlaneState;
 use crate::model::system::Inadmissible;
@@ -35,19 +36,13 @@ impl ShellState {
         thickness: f64,
         material: &Material,
     ) -> Self {
-        let middle = PlaneState::new(material, rest[0], now[0]);
+        let (middle, [inner, outer]) = middle_and_faces(rest, now, thickness, material);
         let [_, _, l3] = middle.stretches;
-        let depth = bending_depth(rest, thickness);
-        // A face that a sharp fold has turned inside out has no metric; then the outermost layer of quadrature stands for it.
-        let at_face = least_face([now[0], now[1]], depth * thickness * l3) > 0.0;
-        let half = 0.5 * depth * thickness * if at_face { 1.0 } else { OUTERMOST_LAYER };
-        let face =
-            |z: f64| PlaneState::new(material, layer(rest, z), layer(now, z * l3)).von_mises();
         Self {
             stretches: middle.stretches,
             thickness: thickness * l3,
             stresses: middle.stresses,
-            von_mises: [face(-half), middle.von_mises(), face(half)],
+            von_mises: [inner.von_mises(), middle.von_mises(), outer.von_mises()],
         }
     }
 
@@ -66,6 +61,66 @@ impl ShellState {
         }
         mean
     }
+}
+
+/// A face of a shell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Face {
+    /// Behind the normal: of a closed part the one towards the chamber.
+    Inner,
+    /// The other.
+    Outer,
+}
+
+/// The largest stretch and stress at a point of a shell's face, or within a solid's cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PeakState {
+    /// The triangle, or the cell.
+    pub place: usize,
+    /// By its place in the list of materials.
+    pub material: u16,
+    /// Of a shell.
+    pub face: Option<Face>,
+    /// The largest principal stretch.
+    pub stretch: f64,
+    /// The largest principal nominal stress (first Piola and Kirchhoff), at least 0, MPa.
+    pub nominal_stress: f64,
+}
+
+impl PeakState {
+    /// Of both faces of the wall of a triangle, `place`, of `thickness` (mm) and `material`, with the fundamental forms `rest` and `now`.
+    pub(super) fn of_faces(
+        place: usize,
+        section: SectionPoint,
+        [rest, now]: [[Form; 2]; 2],
+        material: &Material,
+    ) -> [Self; 2] {
+        let (_, [inner, outer]) = middle_and_faces(rest, now, section.thickness, material);
+        [(Face::Inner, inner), (Face::Outer, outer)].map(|(face, state)| Self {
+            place,
+            material: section.material,
+            face: Some(face),
+            stretch: state.stretches[0],
+            nominal_stress: state.largest_nominal_stress(),
+        })
+    }
+}
+
+/// The states of the middle, and of the inner and the outer face.
+fn middle_and_faces(
+    rest: [Form; 2],
+    now: [Form; 2],
+    thickness: f64,
+    material: &Material,
+) -> (PlaneState, [PlaneState; 2]) {
+    let middle = PlaneState::new(material, rest[0], now[0]);
+    let [_, _, l3] = middle.stretches;
+    let depth = bending_depth(rest, thickness);
+    // A face that a sharp fold has turned inside out has no metric; then the outermost layer of quadrature stands for it.
+    let at_face = least_face(now, depth * thickness * l3) > 0.0;
+    let half = 0.5 * depth * thickness * if at_face { 1.0 } else { OUTERMOST_LAYER };
+    let face = |z: f64| PlaneState::new(material, layer(rest, z), layer(now, z * l3));
+    (middle, [face(-half), face(half)])
 }
 
 /// The states of triangles, each the mean of its points' `state`; they have as many points as `counts` says, one after the other.
@@ -124,5 +179,16 @@ mod tests {
             let exact = (s1 * s1 - s1 * s2 + s2 * s2).sqrt();
             assert!((value / exact - 1.0).abs() < 1e-13, "{value} {exact}");
         }
+        // P_1 = J s_1 / l_1, and nothing changes its volume: the larger of both ways is that around.
+        let section = SectionPoint { thickness, material: 3 };
+        let states = PeakState::of_faces(7, section, [forms(radius), forms(now)], &material);
+        for (state, z) in states.iter().zip([-0.4, 0.4]) {
+            let l1: f64 = (now + l3 * z) / (radius + z);
+            assert!((state.stretch - l1).abs() < 1e-14, "{state:?} {l1}");
+            let exact = mu * (l1 - l1.powi(-3));
+            assert!((state.nominal_stress / exact - 1.0).abs() < 1e-13, "{state:?} {exact}");
+            assert_eq!((state.place, state.material), (7, 3));
+        }
+        assert_eq!(states.map(|state| state.face), [Some(Face::Inner), Some(Face::Outer)]);
     }
 }

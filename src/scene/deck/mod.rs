@@ -193,6 +193,7 @@ pub(crate) fn of_scene(
         ("[[region]]", !scene.regions.is_empty()),
         ("[pattern]", scene.pattern.is_some()),
         ("[gravity]", scene.gravity.is_some()),
+        ("[limits]", scene.limits.is_some()),
         ("[load] volume_ratio", scene.load.volume_ratio.is_some()),
         ("[load] volume_mm3", scene.load.volume_mm3.is_some()),
         ("[load] gas", scene.load.gas.is_some()),
