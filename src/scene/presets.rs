@@ -213,7 +213,7 @@ pub(crate) fn records() -> Vec<PresetRecord> {
             bulk_modulus_mpa: bulk_modulus,
             test: preset.test.map(|(loading, _)| loading.name()),
             stretches: preset.test.map(|(_, stretches)| stretches),
-            borne_stretch: None,
+            borne_stretch: preset.borne_stretch,
             source: preset.source,
         }
     };
@@ -230,6 +230,7 @@ pub(crate) struct PresetRecord {
     bulk_modulus_mpa: Option<f64>,
     test: Option<&'static str>,
     stretches: Option<[f64; 2]>,
+    borne_stretch: Option<f64>,
     source: &'static str,
 }
 
