@@ -51,7 +51,7 @@ impl LoadSettings {
     }
 }
 
-/// The keys of `[load]`.
+/// The loading programme.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 struct LoadKeys {

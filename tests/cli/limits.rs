@@ -108,7 +108,7 @@ fn what_is_no_limit_is_told() {
     );
     let linear = format!("{BALLOON}[limits]\nstretch = 1.2\n[load]\nlinear = true\n");
     workshop.refuse_scene(&linear, &["[load] linear knows no limit"]);
-    workshop.refuse_run("[pattern]\nlimits = { stretch = 1.2 }\n", &["[pattern] wants a"]);
+    workshop.refuse_run("[pattern]\nlimits = { stretch = 1.2 }\n", &["[pattern]", "`material`"]);
     workshop.refuse_run("[limits]\nstretch = 0.5\n", &["[limits] stretch is 0.5"]);
 }
 

@@ -545,7 +545,7 @@ mod tests {
     }
 
     /// Stretched along axes and then turned, incompressible: `sigma_i = mu (l_i^2 - (l_1^2 + l_2^2 + l_3^2) / 3) + p`, `P_i = sigma_i / l_i`.
-    /// The last of each case shows that the largest stress need not be along the largest stretch: where `p` is large, it is along the least.
+    /// Where `p` is large, the largest stress is along the least stretch.
     #[test]
     fn peaks_are_those_along_principal_axes() {
         let mut chance = ChaCha8Rng::seed_from_u64(5);
@@ -555,7 +555,7 @@ mod tests {
         let stretches = [1.25, 0.8, 1.0_f64];
         let turn = Rotation3::new(Vec3::new(0.4, -1.1, 0.7)).into_inner();
         let f = turn * Matrix3::from_diagonal(&Vec3::from(stretches));
-        for (q, along) in [(0.1, 0), (3.0, 1)] {
+        for (q, along) in [(0.1, 0), (6.0, 1)] {
             let mut x: Vec<Vec3> = mesh.positions.iter().map(|x| f * x).collect();
             x.extend(vec![q * Vec3::x(); mesh.corners]);
             let mean = stretches.map(|l| l * l).iter().sum::<f64>() / 3.0;
