@@ -101,7 +101,7 @@ fn what_is_no_limit_is_told() {
     refuse("[limits]\nstretch = 1.0", &["[limits] stretch is 1.0", "between 1.001 and"]);
     refuse("[limits]\nstretch = 8.0", &["[limits] stretch is 8.0", "stretch_bound = 6.0"]);
     refuse("[limits]\nnominal_stress = 0", &["[limits] nominal_stress"]);
-    refuse("[limits]\nstrain = 0.5", &["unknown field `strain`", "`stretch`"]);
+    refuse("[limits]\nstrain = 0.5", &["unknown key `strain`", "`stretch`"]);
     refuse(
         "[[region]]\nthickness = 0.2\nlimits = { stretch = 1.2 }",
         &["[[region]] limits wants a `material` beside it"],
