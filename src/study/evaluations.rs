@@ -24,7 +24,7 @@ use crate::solve::{Job, SolveCounts, Stop};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Evaluated {
     /// How the design did.
-    Finished(Finished),
+    Finished(Box<Finished>),
     /// Nothing: it was stopped before its end.
     Stopped,
     /// Why the machine failed.
@@ -84,7 +84,7 @@ fn evaluate(
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let place = Some(Place { rank, ended: since_1970.as_secs_f64() });
     let Evaluation { outcome, seconds: cpu_seconds, counts, .. } = evaluated;
-    Evaluated::Finished(Finished { outcome, cpu_seconds, counts, place })
+    Evaluated::Finished(Box::new(Finished { outcome, cpu_seconds, counts, place }))
 }
 
 /// What is known of genomes, by their text.
@@ -236,7 +236,7 @@ fn record(
     digest: &str,
 ) -> anyhow::Result<Option<Record>> {
     let finished = match ended {
-        Ok(Evaluated::Finished(finished)) => finished.clone(),
+        Ok(Evaluated::Finished(finished)) => finished.as_ref().clone(),
         Ok(Evaluated::Stopped) => return Ok(None),
         Ok(Evaluated::Failed(failure)) => {
             return Err(anyhow!("{failure}; what has ended is saved"));

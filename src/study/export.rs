@@ -65,6 +65,13 @@ pub(crate) struct Report {
     printability: Printability,
 }
 
+/// What one extruder prints.
+struct Body {
+    /// Its place in the list of materials.
+    material: usize,
+    surface: TriangleMesh,
+}
+
 /// The body of one material.
 #[derive(Debug, Serialize)]
 struct BodyReport {
@@ -121,16 +128,18 @@ impl Export<'_> {
         let description = format!("pneumatic actuator, wall of {wall} mm, {inlet}");
         let print = |(material, mesh)| PrintBody { material, mesh };
         let mut report = Vec::new();
-        for (material, body) in bodies.iter().filter(|_| bodies.len() > 1) {
+        for Body { material, surface } in bodies.iter().filter(|_| bodies.len() > 1) {
             let (file, material) = (format!("part_{}.stl", material + 1), materials[*material]);
-            stl::write(&folder.file(&file), body)?;
-            let (material, volume_mm3) = (material.to_owned(), body.volume());
+            stl::write(&folder.file(&file), surface)?;
+            let (material, volume_mm3) = (material.to_owned(), surface.volume());
             report.push(BodyReport { file, material, volume_mm3 });
         }
         let of_each: Vec<PrintBody<'_>> = match &bodies[..] {
             [] => vec![print((materials[0], &part.surface))],
-            [(material, _)] => vec![print((materials[*material], &part.surface))],
-            bodies => bodies.iter().map(|(k, mesh)| print((materials[*k], mesh))).collect(),
+            [body] => vec![print((materials[body.material], &part.surface))],
+            bodies => {
+                bodies.iter().map(|body| print((materials[body.material], &body.surface))).collect()
+            }
         };
         let model = Model { name: &name, description: &description, bodies: &of_each };
         model.write(&folder.file("part.3mf"))?;
@@ -178,14 +187,13 @@ impl Export<'_> {
         })
     }
 
-    /// The bodies of the part in a `surface` with edges of `edge` (mm), by the `material` at each point: the place of each body's material
-    /// and its surface; and what is to be said of it.
+    /// The bodies of the part in a `surface` with edges of `edge` (mm), by the `material` at each point; and what is to be said of them.
     fn bodies(
         &self,
         surface: &TriangleMesh,
         edge: f64,
         material: &dyn Fn(Vec3) -> u16,
-    ) -> anyhow::Result<(Vec<(usize, TriangleMesh)>, Option<String>)> {
+    ) -> anyhow::Result<(Vec<Body>, Option<String>)> {
         let mesh = filled(surface, edge)?;
         let centre =
             |cell: &[u32; 4]| cell.iter().map(|&v| mesh.positions[v as usize]).sum::<Vec3>() / 4.0;
@@ -197,18 +205,20 @@ impl Export<'_> {
             let share = 100.0 * bodies.changed() as f64 / mesh.tetrahedra.len() as f64;
             format!("{share:.2} % of the material is not of the one asked for: pieces below {LEAST_PIECE} mm^3 and what meets in an edge alone take the material around them")
         });
-        let surfaces: Vec<(usize, TriangleMesh)> = (0..=last)
-            .map(|material| (usize::from(material), bodies.surface(material)))
-            .filter(|(_, body)| !body.triangles.is_empty())
-            .collect();
-        for (_, body) in &surfaces {
-            body.check_closed_manifold().map_err(|defect| {
+        let body = |material: u16| Body {
+            material: usize::from(material),
+            surface: bodies.surface(material),
+        };
+        let bodies: Vec<Body> =
+            (0..=last).map(body).filter(|body| !body.surface.triangles.is_empty()).collect();
+        for Body { surface, .. } in &bodies {
+            surface.check_closed_manifold().map_err(|defect| {
                 anyhow!(
                     "the body of one material is no closed surface: {defect}; another --edge may do"
                 )
             })?;
         }
-        Ok((surfaces, warning))
+        Ok((bodies, warning))
     }
 
     fn check_voxels(&self, surface: &TriangleMesh) -> anyhow::Result<()> {
