@@ -1,7 +1,7 @@
 //! 3x3 blocks of a Hessian as wide registers hold them, and sums of them.
 //!
 //! A kernel is a [`WithSimd`]: it is compiled for AVX2 with fused multiply-add beside the baseline, for NEON on ARM, and the
-//! processor at hand decides which runs ([`vectorize`]). The last bits of sums depend on that choice, and on nothing else.
+//! processor at hand decides which runs (`vectorize`). The last bits of sums depend on that choice, and on nothing else.
 
 use std::ops::{AddAssign, Index, IndexMut};
 
